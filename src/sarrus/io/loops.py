@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from ..model.checks.findings import Findings
 from ..model.errors import ModelError
 from ..model.expansion.expand import expand
-from ..model.file.load import read, validate
+from ..model.file.load import build_parts, read, validate
 from ..model.file.numbers import Numbers
 from ..model.file.text.document import Document
 from ..model.forces import Force
@@ -40,12 +40,10 @@ def close(robot: Robot, loops: str | os.PathLike[str] | None) -> Robot:
 def _parts(robot: Robot, document: Document) -> list[Joint | Force]:
     entry = _entry(document)
     solids: dict[str, Solid] = {GROUND: ground, **robot.links}
-    findings = Findings(document.origin)
-    parts = _built(entry.joints, "joints", Joint.kinds, solids, findings)
-    parts += _built(entry.forces, "forces", Force.kinds, solids, findings)
-    _check(robot, parts, findings)
-    findings.raise_first()
-    return parts
+    with Findings(document.origin) as findings:
+        parts = build_parts(entry.joints, "joints", Joint.kinds, solids, findings)
+        parts += build_parts(entry.forces, "forces", Force.kinds, solids, findings)
+        return list(_on_bodies(robot, parts, findings))
 
 
 def _entry(document: Document) -> Any:
@@ -65,23 +63,14 @@ def _check_sections(document: Document) -> None:
             raise ModelError(message, part="file", where=document.origin.where((key,)))
 
 
-def _built(
-    entries: Any, section: str, kinds: Mapping[str, Any], solids: Mapping[str, Solid], findings: Findings
-) -> list[Joint | Force]:
-    from ..model.file.forms import build
-
-    built: list[Joint | Force] = []
-    for name, entry in entries.items():
-        with findings.about(section, name):
-            built.append(part_on_bodies(build(kinds[entry.type], name, entry, solids)))
-    return built
-
-
-def _check(robot: Robot, parts: list[Joint | Force], findings: Findings) -> None:
+def _on_bodies(robot: Robot, parts: Iterable[Joint | Force], findings: Findings) -> Iterator[Joint | Force]:
+    """Yield the parts of a side file on the bodies that carry their links."""
     poses = {GROUND: ground.pose(), **{body.name: body.pose() for body in robot.bodies}}
     taken = {part.name for parts_ in robot.sections().values() for part in parts_}
     for part in parts:
         with findings.about("joints" if isinstance(part, Joint) else "forces", part.name):
             if part.name in taken:
                 raise ModelError(f"the name {quote(part.name)} is taken by a part of the robot. Rename it.")
-            list(part.primitives(poses))
+            placed = part_on_bodies(part)
+            list(placed.primitives(poses))
+            yield placed

@@ -147,18 +147,17 @@ class Model(Display, metaclass=CallCheck):
         ModelError
             If the numbers of a shape are wrong.
         """
-        findings = Findings(self.origin)
-        found = []
-        for body in self.bodies:
-            with findings.about("bodies", body.name):
-                shape: object = body.shape
-                if not isinstance(shape, Shape | None):
-                    message = f"shape must be a sarrus.Shape, but is a {type(shape).__name__}. Give one."
-                    raise ModelError(message, field="shape")
-                if body.shape is not None:
-                    found.append(body.shape.look(body.name, self.folder_of(body.name)))
-        findings.raise_first()
-        return found
+        looks = []
+        with Findings(self.origin) as findings:
+            for body in self.bodies:
+                with findings.about("bodies", body.name):
+                    shape: object = body.shape
+                    if not isinstance(shape, Shape | None):
+                        message = f"shape must be a sarrus.Shape, but is a {type(shape).__name__}. Give one."
+                        raise ModelError(message, field="shape")
+                    if body.shape is not None:
+                        looks.append(body.shape.look(body.name, self.folder_of(body.name)))
+        return looks
 
     def folder_of(self, body: str) -> pathlib.Path:
         """Return the folder of the file that a body was read from; the present one if there is no file."""

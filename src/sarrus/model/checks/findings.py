@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, Self, TypeAlias
 
 from ..errors import ModelError
 from ..show import quote
@@ -77,11 +77,18 @@ MOST = 100  # errors of one model that are looked for
 
 
 class Findings:
-    """A list of model errors with the places they belong to."""
+    """A list of model errors with the places they belong to; at the end of a ``with`` block the first is raised."""
 
     def __init__(self, origin: Origin | None) -> None:
         self.origin = origin
         self.errors: list[ModelError] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: object, error: object, trace: object) -> None:
+        if error is None:
+            self.raise_first()
 
     @contextmanager
     def about(self, *path: str) -> Iterator[None]:

@@ -93,9 +93,8 @@ def expand(model: Model) -> ExpandedModel:
         )
     _check_lists(model)
     _check_names(model)
-    findings = Findings(model.origin)
-    refuse_unprepared(model, findings)
-    findings.raise_first()
+    with Findings(model.origin) as findings:
+        refuse_unprepared(model, findings)
     gravity = _gravity(model)
     bodies = _bodies(model)
     findings = Findings(model.origin)
@@ -117,29 +116,27 @@ def expand(model: Model) -> ExpandedModel:
 
 
 def _check_names(model: Model) -> None:
-    findings = Findings(model.origin)
-    with findings.about():
-        _check_title(model)
     seen: dict[str, str] = {GROUND: "the ground"}
-    for section, parts in model.sections().items():
-        for part in parts:
-            with findings.about(section, str(getattr(part, "name", ""))):
-                _check_kind(part, section)
-                check_name(part.name)
-                _check_new(part.name, seen, section)
-    check_outputs(model, seen, findings)
-    findings.raise_first()
+    with Findings(model.origin) as findings:
+        with findings.about():
+            _check_title(model)
+        for section, parts in model.sections().items():
+            for part in parts:
+                with findings.about(section, str(getattr(part, "name", ""))):
+                    _check_kind(part, section)
+                    check_name(part.name)
+                    _check_new(part.name, seen, section)
+        check_outputs(model, seen, findings)
 
 
 def _check_lists(model: Model) -> None:
-    findings = Findings(model.origin)
-    for section, parts in model.sections().items():
-        with findings.about():
-            given: Any = parts
-            if not isinstance(given, Collection) or isinstance(given, str | Mapping):
-                message = f"{section} must be a list, but is {kind_of(given)}. Write [...] around it."
-                raise ModelError(message, field=section)
-    findings.raise_first()
+    with Findings(model.origin) as findings:
+        for section, parts in model.sections().items():
+            with findings.about():
+                given: Any = parts
+                if not isinstance(given, Collection) or isinstance(given, str | Mapping):
+                    message = f"{section} must be a list, but is {kind_of(given)}. Write [...] around it."
+                    raise ModelError(message, field=section)
 
 
 def _check_title(model: Model) -> None:
@@ -165,11 +162,9 @@ def _check_new(name: str, seen: dict[str, str], section: str) -> None:
 
 
 def _gravity(model: Model) -> Vec3:
-    findings = Findings(model.origin)
     gravity = ORIGIN
-    with findings.about():
+    with Findings(model.origin) as findings, findings.about():
         gravity = vector(model.gravity, "gravity", "Give three numbers in m/s², such as (0, 0, -9.81).")
-    findings.raise_first()
     return gravity
 
 
@@ -364,19 +359,14 @@ def _loads(bodies: tuple[BodyState, ...], gravity: Vec3) -> Iterator[Piece]:
 
 def _inertia(body: BodyState) -> Piece:
     mass, inertia, center = body.mass
-    if any(center):
-        return Piece(
-            body.name, Primitive(elements.EccentricInertia, (body.name,), (mass, inertia, center), "inertia")
-        )
-    return Piece(body.name, Primitive(elements.RigidInertia, (body.name,), (mass, inertia), "inertia"))
+    kind, at = (elements.EccentricInertia, [center]) if any(center) else (elements.RigidInertia, [])
+    return Piece(body.name, Primitive(kind, (body.name,), (mass, inertia, *at), "inertia"))
 
 
 def _weight(body: BodyState, gravity: Vec3) -> Piece:
     mass, _, center = body.mass
-    if any(center):
-        values = (mass, center, gravity)
-        return Piece(body.name, Primitive(elements.EccentricGravity, (body.name,), values, "gravity"))
-    return Piece(body.name, Primitive(elements.Gravity, (body.name,), (mass, gravity), "gravity"))
+    kind, at = (elements.EccentricGravity, [center]) if any(center) else (elements.Gravity, [])
+    return Piece(body.name, Primitive(kind, (body.name,), (mass, *at, gravity), "gravity"))
 
 
 def check_connections(part: Any) -> None:

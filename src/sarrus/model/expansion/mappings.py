@@ -92,18 +92,17 @@ def check_units(
     ------
     ModelError
     """
-    findings = Findings(origin)
     angles = {(one.owner, one.primitive.label): is_angle(one.primitive) for one in expanded.coordinates}
     labels: dict[str, list[str]] = {}
     for owner, label in angles:
         labels.setdefault(owner, []).append(label)
-    for name, tree in trees.items():
-        unit = "rad/s" if angles[name.partition(".")[0], label_of(name, labels)] else "m/s"
-        with findings.about(RATES, name), restated(f"rates: {name}", field=RATES):
-            while set(tree.names()) & (definitions or {}).keys():
-                tree = tree.replaced(definitions or {})
-            quantity_of(tree, unit)
-    findings.raise_first()
+    with Findings(origin) as findings:
+        for name, tree in trees.items():
+            unit = "rad/s" if angles[name.partition(".")[0], label_of(name, labels)] else "m/s"
+            with findings.about(RATES, name), restated(f"rates: {name}", field=RATES):
+                while set(tree.names()) & (definitions or {}).keys():
+                    tree = tree.replaced(definitions or {})
+                quantity_of(tree, unit)
 
 
 def label_of(name: str, labels: Mapping[str, Sequence[str]]) -> str:

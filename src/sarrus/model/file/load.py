@@ -163,14 +163,15 @@ def build_model(entry: Any, document: Document, numbers: Numbers) -> Model:
     """Return the model that a validated file describes."""
     from .forms import formulas
 
-    findings = Findings(document.origin)
-    bodies = _build(entry.bodies, "bodies", {"": Body}, {}, findings)
-    refused = {name: Body(name, 1.0, (1.0, 1.0, 1.0)) for name in entry.bodies}  # which others may connect
-    solids = {GROUND: ground, **refused, **{body.name: body for body in bodies}}
-    joints = _build(entry.joints, "joints", Joint.kinds, solids, findings)
-    drivers = _build(entry.drivers, "drivers", Driver.kinds, solids, findings)
-    forces = _build(entry.forces, "forces", Force.kinds, solids, findings)
-    findings.raise_first()
+    with Findings(document.origin) as findings:
+        bodies = build_parts(entry.bodies, "bodies", {"": Body}, {}, findings)
+        refused = {
+            name: Body(name, 1.0, (1.0, 1.0, 1.0)) for name in entry.bodies
+        }  # which others may connect
+        solids = {GROUND: ground, **refused, **{body.name: body for body in bodies}}
+        joints = build_parts(entry.joints, "joints", Joint.kinds, solids, findings)
+        drivers = build_parts(entry.drivers, "drivers", Driver.kinds, solids, findings)
+        forces = build_parts(entry.forces, "forces", Force.kinds, solids, findings)
     file_formulas = Formulas(numbers.parameters(), dict(formulas(entry)), numbers.trees, dict(entry.points))
     parts = bodies, joints, forces, entry.gravity, drivers
     name = Path(document.origin.file).stem if entry.name is None else entry.name
@@ -190,9 +191,10 @@ def _outputs(given: Mapping[str, str]) -> dict[str, str]:
     return {name: full(text) if isinstance(text, Text) else text for name, text in given.items()}
 
 
-def _build(
-    entries: Any, section: str, kinds: dict[str, Any], solids: Solids, findings: Findings
+def build_parts(
+    entries: Any, section: str, kinds: Mapping[str, Any], solids: Solids, findings: Findings
 ) -> list[Any]:
+    """Return the parts of a section that its validated entries describe, but those with an error."""
     from .forms import build
 
     built = []

@@ -490,13 +490,11 @@ JSON_EDITS = [
     Wrong('"mass": 2.0', '"mass": -Infinity', 5, ROD, "mass must be a finite number, but is -inf. Check its"),
     Wrong('"mass": 2.0', '"mass": 1e999', 5, ROD, "mass must be a finite number, but is inf. Check its size"),
     Wrong(
-        '"mass": 2.0', '"mass": 010', 5, "model", "is not valid JSON, a value is missing or not valid. Check"
+        '"mass": 2.0', '"mass": 010', 5, "model", "is not valid JSON, expecting ',' delimiter. Check commas"
     ),
+    Wrong('"mass": 2.0', '"mass": +1', 5, "model", "is not valid JSON, expecting value. Check commas"),
     Wrong(
-        '"mass": 2.0', '"mass": +1', 5, "model", "is not valid JSON, a value is missing or not valid. Check"
-    ),
-    Wrong(
-        '"mass": 2.0', '"mass": 1.', 5, "model", "is not valid JSON, a value is missing or not valid. Check"
+        '"mass": 2.0', '"mass": 1.', 5, "model", "is not valid JSON, expecting ',' delimiter. Check commas"
     ),
     Wrong('"mass": 2.0', '"mass": null', 5, ROD, "mass must be a number, but is empty. Write it as in"),
     Wrong('"mass": 2.0', '"mass": "2"', 5, ROD, 'mass must be a number, but is "2". Write it without quotes'),
@@ -508,12 +506,24 @@ JSON_EDITS = [
         'the key "mass" is given twice, the first time on line 5',
     ),
     Wrong(
-        '"mass": 2.0', "mass: 2.0", 5, "model", "is not valid JSON, a text in double quotes is missing. Check"
+        '"mass": 2.0',
+        "mass: 2.0",
+        5,
+        "model",
+        "is not valid JSON, expecting property name enclosed in double",
     ),
-    Wrong('"mass": 2.0,', '"mass": 2.0', 6, "model", 'is not valid JSON, a "," is missing. Check commas'),
-    Wrong('"mass": 2.0', '"mass" 2.0', 5, "model", 'is not valid JSON, a ":" is missing. Check commas'),
     Wrong(
-        '"mass": 2.0', '"mass": 2.0 // kg', 5, "model", 'is not valid JSON, a "," is missing. Check commas'
+        '"mass": 2.0,', '"mass": 2.0', 6, "model", "is not valid JSON, expecting ',' delimiter. Check commas"
+    ),
+    Wrong(
+        '"mass": 2.0', '"mass" 2.0', 5, "model", "is not valid JSON, expecting ':' delimiter. Check commas"
+    ),
+    Wrong(
+        '"mass": 2.0',
+        '"mass": 2.0 // kg',
+        5,
+        "model",
+        "is not valid JSON, expecting ',' delimiter. Check commas",
     ),
     Wrong(
         '"mass": 2.0', '"mass": ' + "[" * 200_000, 5, ROD, "is nested deeper than 64 levels. Remove brackets"

@@ -28,6 +28,11 @@ ONE = {"bodies": "body", "joints": "joint", "drivers": "driver", "forces": "forc
 KINDS: dict[str, type] = {"bodies": Body, "joints": Joint, "drivers": Driver, "forces": Force}
 
 
+def registered_kinds() -> dict[str, Mapping[str, type]]:
+    """Return the kinds of joints, drivers and forces that are registered now, by section and type."""
+    return {"joints": Joint.kinds, "drivers": Driver.kinds, "forces": Force.kinds}
+
+
 @dataclass(frozen=True, eq=False)
 class Model(Display, metaclass=CallCheck):
     """A mechanism: bodies, joints, drivers, forces and gravity.

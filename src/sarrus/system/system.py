@@ -22,7 +22,7 @@ from ..model.coordinates import WIDTH, coordinates_of
 from ..model.deprecated import withdrawn
 from ..model.expansion.blueprint import Placement, blueprint
 from ..model.expansion.marker import Marker, marker
-from ..model.expansion.suspicions import suspicions
+from ..model.expansion.suspicions import Suspicions
 from ..model.quantity import InputNumber
 from ..model.show import quote, suggest
 from ..model.states.block import CLOCKED, UNUSED, StateInertia
@@ -82,7 +82,7 @@ class System(Display, ConstraintOperators, InertiaOperators, ForceOperators):
 
     def __init__(self, model: Model, *, strict: bool = False) -> None:
         plan = blueprint(model)
-        self.warnings = announce(suspicions(model, plan), strict=strict)
+        self.warnings = announce(Suspicions(model, plan).messages(), strict=strict)
         self.name = plan.name
         self.model = model
         self.bodies = plan.bodies

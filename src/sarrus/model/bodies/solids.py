@@ -46,6 +46,10 @@ def mass_of(volume: float, mass: float | None, density: float | None) -> float:
     return positive(density, "density", "Give the density in kg/m³, as 7850 for steel.") * volume
 
 
+def _length(value: float, field: str) -> float:
+    return positive(value, field, "Give a length in m.")
+
+
 def box(size: Vector, mass: float | None, density: float | None) -> Uniform:
     """Return the properties of a box with edges along x, y and z."""
     x, y, z = (positive(edge, "size", "Give three lengths in m.") for edge in vector(size, "size"))
@@ -61,10 +65,7 @@ def cylinder(
         raise ModelError(
             f"axis must be x, y or z, but is {axis!r}. Turn the body by its orientation.", field="axis"
         )
-    r, l = (
-        positive(radius, "radius", "Give a length in m."),
-        positive(length, "length", "Give a length in m."),
-    )
+    r, l = _length(radius, "radius"), _length(length, "length")
     hole = number(inner_radius, "inner_radius")
     if not 0 <= hole < r:
         raise ModelError(
@@ -78,10 +79,7 @@ def cylinder(
 
 def capsule(radius: float, length: float, mass: float | None, density: float | None) -> Uniform:
     """Return the properties of a cylinder about z with a half ball on each end, which the length does not contain."""
-    r, l = (
-        positive(radius, "radius", "Give a length in m."),
-        positive(length, "length", "Give a length in m."),
-    )
+    r, l = _length(radius, "radius"), _length(length, "length")
     m = mass_of(np.pi * r * r * (l + 4 / 3 * r), mass, density)
     middle, ends = m * l / (l + 4 / 3 * r), m * 4 / 3 * r / (l + 4 / 3 * r)
     across = middle * (r * r / 4 + l * l / 12) + ends * (0.4 * r * r + l * l / 4 + 3 / 8 * l * r)
@@ -97,7 +95,7 @@ def ellipsoid(radii: Vector, mass: float | None, density: float | None) -> Unifo
 
 def sphere(radius: float, mass: float | None, density: float | None) -> Uniform:
     """Return the properties of a ball."""
-    r = positive(radius, "radius", "Give a length in m.")
+    r = _length(radius, "radius")
     m = mass_of(4 / 3 * np.pi * r**3, mass, density)
     return Uniform(m, (0.4 * m * r * r,) * 3)
 
@@ -110,7 +108,7 @@ def rod(
     if np.array_equal(first, last):
         raise ModelError("start and end are the same point. Give two points in m.", field="end")
     u, l = direction(last - first, "end"), float(np.linalg.norm(last - first))
-    r = l / SLENDER if radius is None else positive(radius, "radius", "Give a length in m.")
+    r = l / SLENDER if radius is None else _length(radius, "radius")
     m = mass_of(np.pi * r * r * l, mass, density)
     along, across = m / 2 * r * r, m / 12 * (3 * r * r + l * l)
     x, y, z = (float(number) for number in (first + last) / 2)
@@ -131,9 +129,7 @@ def frame(
     if not min(lengths):
         raise ModelError("points has the same point twice in a row. Remove one.", field="points")
     width = sum(lengths) / SLENDER if radius is None else radius
-    whole = mass_of(
-        np.pi * positive(width, "radius", "Give a length in m.") ** 2 * sum(lengths), mass, density
-    )
+    whole = mass_of(np.pi * _length(width, "radius") ** 2 * sum(lengths), mass, density)
     rods = [
         rod(a, b, width, whole * l / sum(lengths), None) for (a, b), l in zip(pairs, lengths, strict=True)
     ]

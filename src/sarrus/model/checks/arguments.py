@@ -66,20 +66,15 @@ class WholeNumber:
 def real(name: str, value: Any) -> float:
     """The value as a float; a TypeError that names the argument for anything but a real number."""
     many = isinstance(value, np.ndarray) and value.ndim > 0
-    if (
-        many
-        or isinstance(value, bool | np.bool_ | complex | np.complexfloating)
-        or not hasattr(value, "__float__")
-    ):
-        raise TypeError(f"{name} must be a number, got {_kind(value)}. Give one number in SI units.")
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise TypeError(
-            f"{name} must be a number, got {_kind(value)}. Give one number in SI units."
-        ) from None
-    except OverflowError:
-        raise ModelError(f"{name} must be a finite number, but is too large for one.") from None
+    other = isinstance(value, bool | np.bool_ | complex | np.complexfloating)
+    if not many and not other and hasattr(value, "__float__"):
+        try:
+            return float(value)
+        except OverflowError:
+            raise ModelError(f"{name} must be a finite number, but is too large for one.") from None
+        except (TypeError, ValueError):
+            pass
+    raise TypeError(f"{name} must be a number, got {_kind(value)}. Give one number in SI units.")
 
 
 def as_numbers(value: Any, message: Callable[[], str]) -> Array:

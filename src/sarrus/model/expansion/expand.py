@@ -202,13 +202,8 @@ def _drivers(
     followed = {one.name for one in states} | (_variables(model).keys() - inputs.keys() if states else set())
     for driver in model.drivers if not findings.errors else ():
         with findings.about("drivers", driver.name):
-            check_connections(driver)
-            refuse_arguments(driver, kinds)
-            by_states = with_state_motions(driver, followed)
-            driven = with_inputs(by_states, inputs)
-            check_texts(driven)
-            own = list(driven.primitives(poses, known))
-            refuse_lost(by_states, own, inputs)
+            _check_arguments(driver, kinds)
+            own = _primitives(with_state_motions(driver, followed), inputs, poses, known)
             pieces += [Piece(driver.name, primitive) for primitive in own]
     return pieces
 
@@ -330,13 +325,23 @@ def _own_forces(
     kinds = _kinds(states, inputs)
     for force in model.forces:
         with findings.about("forces", force.name):
-            check_connections(force)
-            refuse_arguments(force, kinds)
-            acted = with_inputs(force, inputs)
-            check_texts(acted)
-            own[force.name] = list(acted.primitives(poses))
-            refuse_lost(force, own[force.name], inputs)
+            _check_arguments(force, kinds)
+            own[force.name] = _primitives(force, inputs, poses)
     return own
+
+
+def _check_arguments(part: Any, kinds: Mapping[str, str]) -> None:
+    check_connections(part)
+    refuse_arguments(part, kinds)
+
+
+def _primitives(part: Any, inputs: Mapping[str, Input], *given: Any) -> list[Primitive]:
+    """The primitives of a driver or force, for poses and known coordinates, with the values of inputs that it names."""
+    acted = with_inputs(part, inputs)
+    check_texts(acted)
+    primitives = list(acted.primitives(*given))
+    refuse_lost(part, primitives, inputs)
+    return primitives
 
 
 def signals_of(model: Model) -> tuple[Signals, tuple[str, ...]]:

@@ -160,10 +160,13 @@ class Suspicions:
             )
 
     def _loose(self, number: int, body: str) -> Iterator[str]:
-        moves = any(self.plan.v[WIDTH * (number - 1) : WIDTH * number])
         declared = isinstance(self.model, TreeModel)  # where bodies are free by an entry in a robot's file
-        if self.model.joints and not self._parts_on[number] and not moves and not declared:
+        if self.model.joints and not (self._parts_on[number] or self._moves(number) or declared):
             yield f"{body}: no joint and no force is attached to it. Attach it to another body, or remove it."
+
+    def _moves(self, number: int) -> bool:
+        """Whether a body has an initial velocity."""
+        return any(self.plan.v[WIDTH * (number - 1) : WIDTH * number])
 
     def _springs(self) -> Iterator[str]:
         stiffness: dict[int, float] = {}
@@ -221,18 +224,12 @@ class Suspicions:
             match self._joints_and_forces(number):
                 case [Revolute(axis=axis, point=point, name=pin)] if axis is not None and point is not None:
                     lever = self._place(number, self.properties[number][2]) - np.array(vector(point, "point"))
-                    still = (
-                        not any(self.plan.v[WIDTH * (number - 1) : WIDTH * number]) and not self.model.rates
-                    )
                     along = parallel(np.array(vector(axis, "axis")), lever) and not self._is_along_gravity(
                         axis
                     )
-                    if (
-                        along
-                        and still
-                        and np.any(self.gravity)
-                        and np.linalg.norm(lever) > PERPENDICULAR * self.size
-                    ):
+                    apart = np.linalg.norm(lever) > PERPENDICULAR * self.size
+                    moves = self._moves(number) or self.model.rates
+                    if along and apart and np.any(self.gravity) and not moves:
                         yield (
                             f"{pin}: its axis passes through the centre of mass of {body}, which therefore does not "
                             "swing. Give an axis across the link."
@@ -291,11 +288,6 @@ def angles_of(model: Model) -> Iterator[tuple[str, str, float]]:
                 value = getattr(part, field, None)
                 if measure.unit == "rad" and isinstance(value, int | float):
                     yield part.name, field, float(value)
-
-
-def suspicions(model: Model, plan: Blueprint) -> Iterator[str]:
-    """Yield a message for everything that is suspicious in a checked model."""
-    yield from Suspicions(model, plan).messages()
 
 
 def motions_in_degrees(plan: Blueprint) -> Iterator[str]:

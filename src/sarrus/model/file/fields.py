@@ -60,7 +60,7 @@ class BodyRef(str):
 
 
 def _named(value: Any) -> Any:
-    """Return the name that a body has in the whole model."""
+    """Return the name that a body, or the coordinate of a joint, has in the whole model."""
     return str(full_name(value, value)) if isinstance(value, str) else value
 
 
@@ -82,6 +82,7 @@ else:
     Share, Radius = number_in("1"), number_in("m")
 
 Name = Annotated[StrictStr, BeforeValidator(_named), AfterValidator(BodyRef)]
+JointName = Annotated[StrictStr, BeforeValidator(_named)]
 
 
 class PointEntry(Entry):
@@ -159,14 +160,6 @@ class InertiaEntry(Entry):
 
     def build(self, solids: Solids) -> dict[str, float]:
         return self.model_dump()
-
-
-def _named_joint(value: Any) -> Any:
-    """Return the name of a joint's coordinate in the whole model."""
-    return str(full_name(value, value)) if isinstance(value, str) else value
-
-
-JointName = Annotated[StrictStr, BeforeValidator(_named_joint)]
 
 
 def _number_or_table(value: Any) -> str:

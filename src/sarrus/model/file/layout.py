@@ -11,19 +11,12 @@ from pydantic import AfterValidator, Field, StrictStr, create_model
 
 from ..bodies.body import Body
 from ..checks.names import matches
-from ..drivers import Driver
 from ..expression.functions import CONSTANTS
-from ..forces import Force
-from ..joints import Joint
+from ..model import registered_kinds
 from ..show import quote
 from .forms import entry_model, tagged_model
 from .include import IncludeForm
 from .stated import Entry, invalid, list_in, list_of, mapping_of, marked, number_in, one_of
-
-
-def registered_kinds() -> dict[str, Mapping[str, type]]:
-    """Return the kinds of joints, drivers and forces that are registered now, by section and type."""
-    return {"joints": Joint.kinds, "drivers": Driver.kinds, "forces": Force.kinds}
 
 
 def layout(data: Any = None) -> type[Entry]:

@@ -8,15 +8,13 @@ from typing import Any, NamedTuple
 
 from ..bodies.body import Body
 from ..checks.findings import KINDS
-from ..drivers import Driver
 from ..errors import ModelError
 from ..expression import Expression, Name, Number, parse
 from ..expression.units import Powers, powers_of, unit_of
-from ..forces import Force
 from ..forces.by_formula import known_powers
-from ..joints import Joint
 from ..laws.text_units import check_function_unit, check_unit, variable_of
 from ..measure import In, measures
+from ..model import registered_kinds
 from ..show import quote, show, suggest
 from ..signals import output_words
 from .scope import full_name
@@ -237,13 +235,8 @@ class Numbers:
     def _declared(self, home: Home) -> str | None:
         if home.section in ("parameters", "points"):
             return None if home.section == "parameters" else "m"
-        kinds: dict[str, dict[str, Any]] = {
-            "joints": dict(Joint.kinds),
-            "drivers": dict(Driver.kinds),
-            "forces": dict(Force.kinds),
-        }
         name = str(home.entry.get("type")) if isinstance(home.entry, dict) else ""
-        kind = Body if home.section == "bodies" else kinds.get(home.section, {}).get(name)
+        kind = Body if home.section == "bodies" else registered_kinds().get(home.section, {}).get(name)
         measure = measures(kind).get(home.steps[0]) if kind and home.steps else None
         return measure.unit if measure else None
 

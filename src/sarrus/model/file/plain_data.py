@@ -23,11 +23,11 @@ from ..laws.curve import Curve, Formula, Tree
 from ..laws.law import Law
 from ..laws.text_units import variable_of
 from ..measure import TypedField, typed
-from ..model import Model
+from ..model import Model, registered_kinds
 from ..quantity import is_list
 from ..registry import kind_name
 from .forms import Slot, refuse_undescribable, slots
-from .layout import layout, registered_kinds
+from .layout import layout
 
 GIVE_TEXT = 'Give a formula as a text, as in "50 + 10*x", or a table of pairs [x, y].'
 

@@ -62,7 +62,8 @@ def _revised(model: Model, file: FilePath) -> str | None:
     with suppress(ModelError):
         before = load(origin)
         old, new = (plain_data(one, file.parent, complete=True) for one in (before, model))
-        changed = {path: _in_unit(_tree(before, path), value) for path, value in _changes(old, new, ())}
+        trees = before.formulas.expressions
+        changed = {path: _in_unit(trees.get(path), value) for path, value in _changes(old, new, ())}
         text = edited(read_text(origin), changed, model.name)
         if text is not None and not first_difference(model, loaded(parsed(text, file))):
             return text
@@ -87,11 +88,6 @@ def _changes(old: Any, new: Any, path: Path) -> Iterator[tuple[Path, Any]]:
         raise ModelError("has other entries. Write the whole file.")
     elif repr(old) != repr(new):
         yield path, new
-
-
-def _tree(model: Model, path: Path) -> Expression | None:
-    """Return the formula of an entry of a file, which is a number with a unit if it was written with one."""
-    return model.formulas.expressions.get(path)
 
 
 def _in_unit(tree: Expression | None, value: Any) -> Any:

@@ -58,12 +58,9 @@ def _wrong(expected: str, remedy: str) -> Callable[[dict[str, Any], Any], str]:
 
 def _length(ctx: dict[str, Any], value: Any) -> str:
     wanted = ctx.get("min_length", ctx.get("max_length"))
-    least = "at least " if "min_length" in ctx and wanted == 2 and not _fixed(value) else ""
+    nested = any(isinstance(entry, list) for entry in value)
+    least = "at least " if "min_length" in ctx and wanted == 2 and nested else ""
     return f"must have {least}{wanted} entries, but has {len(value)}. Give {least}{wanted}."
-
-
-def _fixed(value: Any) -> bool:
-    return not any(isinstance(entry, list) for entry in value)
 
 
 def _literal(ctx: dict[str, Any], value: Any) -> str:

@@ -13,7 +13,7 @@ from ..laws.curve import Curve, Formula
 from ..laws.law import Law, scaled, varies
 from ..measure import In, Length
 from ..primitive import Primitive
-from ..quantity import not_negative, number, positive
+from ..quantity import Vec3, not_negative, number, positive
 from .force import Force, refuse_ground
 
 
@@ -40,13 +40,8 @@ class Tyre(Force):
     road: Length = 0.0
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        point = self.point.resolve(poses, "point")
-        refuse_ground(point.body, "point")
-        road = number(self.road, "road")
-        k = positive(self.k, "k", "Give the stiffness in N/m.")
-        c = not_negative(self.c, "c", "Give the damping in N s/m.")
-        radius = positive(self.radius, "radius", "Give the unloaded radius in m.")
-        yield Primitive(elements.Tyre, (point.body,), (point.s, k, c, radius, road), "tyre")
+        body, wheel = _wheel(self, poses)
+        yield Primitive(elements.Tyre, (body,), (*wheel, number(self.road, "road")), "tyre")
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,15 +74,19 @@ class RoadTyre(Force):
     rounding: Length = 1e-3
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        point = self.point.resolve(poses, "point")
-        refuse_ground(point.body, "point")
-        k = positive(self.k, "k", "Give the stiffness in N/m.")
-        c = not_negative(self.c, "c", "Give the damping in N s/m.")
-        radius = positive(self.radius, "radius", "Give the unloaded radius in m.")
+        body, wheel = _wheel(self, poses)
         width = positive(self.rounding, "rounding", "Give a small length in m.")
         (height, profile), (rise, bump) = _height(self.road, "road", "x"), _height(self.bump, "bump", "t")
-        values = (point.s, k, c, radius, height + rise, width, profile, bump)
-        yield Primitive(elements.RoadTyre, (point.body,), values, "tyre")
+        yield Primitive(elements.RoadTyre, (body,), (*wheel, height + rise, width, profile, bump), "tyre")
+
+
+def _wheel(tyre: Tyre | RoadTyre, poses: Poses) -> tuple[str, tuple[Vec3, float, float, float]]:
+    """Return the body of a wheel, its centre, stiffness, damping and radius."""
+    point = tyre.point.resolve(poses, "point")
+    refuse_ground(point.body, "point")
+    k = positive(tyre.k, "k", "Give the stiffness in N/m.")
+    c = not_negative(tyre.c, "c", "Give the damping in N s/m.")
+    return point.body, (point.s, k, c, positive(tyre.radius, "radius", "Give the unloaded radius in m."))
 
 
 def _height(value: Law, field: str, variable: str) -> tuple[float, Curve | Formula]:

@@ -9,11 +9,12 @@ import numpy as np
 
 from ...model import Fixed, Revolute, Spherical, Translational, Universal
 from ...model.bodies.shape import Look
-from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
+from ...model.geometry.motion import Ball, Motion, Slide, Turn
 from ...model.geometry.points import GROUND
 from ...model.quantity import Array
 from ..robot import Dynamics, Edge
 from ..robot.description import legal
+from ..robot.joints import LETTERS
 from .contents import Contents, missing_loads, warn_of_rates
 from .looks import looks_by_body, rgba, sizes
 from .missing import Gap
@@ -23,7 +24,6 @@ CUT = (Fixed, Revolute, Spherical, Translational, Universal)
 DYNAMICS = ("stiffness", "free", "damping", "friction")
 KINDS = {"": "fixed", "T": "revolute", "S": "prismatic", "B": "ball", "TT": "universal", "F": ""}
 NO_JOINT = "no joint with these motions, nor massless links for several joints in series"
-LETTERS = {Turn: "T", Slide: "S", Ball: "B", Free: "F"}
 
 
 def missing(contents: Contents) -> list[Gap]:

@@ -17,18 +17,18 @@ from typing import Any
 
 import numpy as np
 
-from ...model import BoxDrag, EllipsoidDrag, Force, Frame
+from ...model import BoxDrag, EllipsoidDrag, Force
 from ...model.checks.arguments import checked
 from ...model.geometry.motion import Free, pose, unit
 from ...model.geometry.points import GROUND
-from ...model.geometry.pose import GROUND_POSE, Pose
+from ...model.geometry.pose import GROUND_POSE
 from ...model.quantity import Array, Vec3, triple
 from ..by_ending import importer
 from ..loops import close
 from ..robot import Description, ImportOptions, Keyframe, Robot, activation_name, build
 from ..robot.options import Base, InertiaOption, MeshOption, MimicOption, check_floating
 from ..robot.tree.coordinates import BASE
-from .bodies import BALL, edges_of, joint_names, links_of, names_of, placed, visuals_of, zeros_of
+from .bodies import BALL, edges_of, frame_at, joint_names, links_of, names_of, placed, visuals_of, zeros_of
 from .compiled import Shape, compiled, disabled, name_of, no_passive_forces
 from .left_out import notes
 from .loads.actuators import actuators_of, control_of, count, lifted_by
@@ -58,13 +58,16 @@ def fluid_forces(compiled: Any, robot: Robot) -> Iterator[Force]:
         shapes = [n for n in range(first, first + count) if compiled.geom_fluid[n, 0]]
         for n in shapes:
             place = placed(compiled.geom_pos[n], compiled.geom_quat[n])
-            given: dict[str, Any] = {"frame": _frame(robot, link, place), "semiaxes": _semiaxes(compiled, n)}
+            given: dict[str, Any] = {
+                "frame": frame_at(robot, link, place),
+                "semiaxes": _semiaxes(compiled, n),
+            }
             given |= _coefficients(compiled, n)
             found.append((f"{name_of(compiled, 'geom', n)}_fluid", partial(EllipsoidDrag, **given, **law)))
         if not shapes:
             place = placed(compiled.body_ipos[k], compiled.body_iquat[k])
             box = triple(_box(compiled.body_mass[k], compiled.body_inertia[k]))
-            given = {"frame": _frame(robot, link, place), "box": box}
+            given = {"frame": frame_at(robot, link, place), "box": box}
             found.append((f"{link}_fluid", partial(BoxDrag, **given, **law)))
     names = robot.free_names([name for name, _ in found], "_force")
     yield from (force(name) for name, (_, force) in zip(names, found, strict=True))
@@ -73,10 +76,6 @@ def fluid_forces(compiled: Any, robot: Robot) -> Iterator[Force]:
 def _has_fluid(compiled: Any) -> bool:
     some = compiled.opt.density > 0 or compiled.opt.viscosity > 0
     return bool(some and compiled.nv and not no_passive_forces(compiled))
-
-
-def _frame(robot: Robot, link: str, place: Pose) -> Frame:
-    return robot.frame(link, triple(place.r), x=place.A[:, 0], z=place.A[:, 2])
 
 
 def _semiaxes(compiled: Any, shape: int) -> Vec3:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.geometry.pose import Pose
+from ...model.geometry.pose import GROUND_POSE, Pose
 from ..robot import Sensor
 from ..robot.interaction import TOUCH
 from ..robot.sensors import KINDS
@@ -49,18 +49,11 @@ def _sensor(compiled: Any, k: int) -> Sensor | None:
 
 def _frame(compiled: Any, what: int, place: int) -> tuple[str, Pose] | None:
     """Return the link of a frame and its pose on it."""
-    if what == Object.XBODY:
-        return _body(compiled, place), placed(np.zeros(3), (1, 0, 0, 0))
-    if what == Object.BODY:
-        return _body(compiled, place), placed(compiled.body_ipos[place], compiled.body_iquat[place])
-    if what == Object.GEOM:
-        body, where = compiled.geom_bodyid[place], (compiled.geom_pos[place], compiled.geom_quat[place])
-        return _body(compiled, body), placed(*where)
-    if what == Object.SITE:
-        body, where = compiled.site_bodyid[place], (compiled.site_pos[place], compiled.site_quat[place])
-        return _body(compiled, body), placed(*where)
-    return None
-
-
-def _body(compiled: Any, k: int) -> str:
-    return name_of(compiled, "body", k)
+    if what in (Object.XBODY, Object.BODY):
+        inertial = placed(compiled.body_ipos[place], compiled.body_iquat[place])
+        return name_of(compiled, "body", place), inertial if what == Object.BODY else GROUND_POSE
+    if what not in (Object.GEOM, Object.SITE):
+        return None
+    word = "geom" if what == Object.GEOM else "site"
+    body, r, p = (getattr(compiled, f"{word}_{field}")[place] for field in ("bodyid", "pos", "quat"))
+    return name_of(compiled, "body", body), placed(r, p)

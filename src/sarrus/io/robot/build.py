@@ -105,9 +105,13 @@ def build(description: Description, options: ImportOptions) -> Robot:
     coupled = {name for follower, mimic in description.mimics.items() for name in (follower, mimic.joint)}
     values = closed(description, values, {*options.q0, *locked, *coupled})
     stops = {name: values.get(name, np.array(motions[name].zero)) for name in locked}
-    notes = [*description.notes, *(freed(description, locked) if options.mimic == "free" else ())]
-    locking = counted("{n} [motion of a link|motions of links] without mass [is|are] locked", len(idle))
-    notes += [f"{locking}: {', '.join(sorted(idle))}"] if idle else []
+    notes = [*description.notes]
+    if options.mimic == "free" and (count := len(set(description.mimics) - locked)):
+        text = "{n} [joint that follows another moves|joints that follow another move] freely"
+        notes.append(counted(text, count))
+    if idle:
+        locking = counted("{n} [motion of a link|motions of links] without mass [is|are] locked", len(idle))
+        notes.append(f"{locking}: {', '.join(sorted(idle))}")
     description = replace(
         description, edges=[stopped(edge, stops) for edge in description.edges], notes=notes
     )
@@ -411,16 +415,6 @@ def _coupler(name: str, leader: CoordinateMatch, follower: CoordinateMatch, mimi
     parameters = {f"a{n}": a * follower.sign * leader.sign**n for n, a in enumerate(factors) if a}
     powers = (word if word == "a0" else f"{word}*{Name(leader.name)}^{word[1:]}" for word in parameters)
     return FormulaCoupler(name, follower.name, value=" + ".join(powers), parameters=parameters)
-
-
-def freed(description: Description, locked: set[str]) -> list[str]:
-    """Return the message on how many following joints move independently."""
-    n = len(set(description.mimics) - locked)
-    return (
-        [counted("{n} [joint that follows another moves|joints that follow another move] freely", n)]
-        if n
-        else []
-    )
 
 
 def _follow(name: str, mimics: Mapping[str, Mimic], found: dict[str, Array]) -> Array:

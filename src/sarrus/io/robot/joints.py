@@ -49,7 +49,7 @@ def joint(hinge: Hinge, motions: Motions) -> Joint | None:
     ModelError
         If no joint leaves just these motions.
     """
-    pattern = "".join(_LETTERS[type(motion)] for motion in sorted(motions, key=lambda m: type(m) is Turn))
+    pattern = "".join(LETTERS[type(motion)] for motion in sorted(motions, key=lambda m: type(m) is Turn))
     make = _MAKERS.get(pattern, _refused)
     return make(hinge, motions)
 
@@ -156,7 +156,7 @@ def _meeting(a: Turn, b: Turn) -> Array | None:
     return np.asarray(a.point + along * a.axis)
 
 
-_LETTERS: dict[type[Motion], str] = {Turn: "T", Slide: "S", Ball: "B", Free: "F"}
+LETTERS: dict[type[Motion], str] = {Turn: "T", Slide: "S", Ball: "B", Free: "F"}
 _MAKERS: dict[str, Callable[[Hinge, Motions], Joint | None]] = {
     "": _fixed,
     "T": _revolute,

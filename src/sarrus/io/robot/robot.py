@@ -149,12 +149,9 @@ class Robot(TreeModel):
         named = {
             "shapes of links": self.visuals,
             "limits of joints": self.limits,
-            "names of merged links": self._merged(),
+            "names of merged links": self.links.keys() - {body.name for body in self.bodies},
         }
         return tuple(name for name, found in named.items() if found)
-
-    def _merged(self) -> set[str]:
-        return self.links.keys() - {body.name for body in self.bodies}
 
     def loaded_by(self, ends: Mapping[str, Ends]) -> Robot:
         """Return the robot whose sensors of forces account for contacts and loops between these links."""

@@ -44,7 +44,7 @@ def read_joint(part: Part, models: Models, version: int) -> Joint:
     there = models.frames.pose(child)
     frame = relative(there, models.frames.pose(models.frame_of(part)))
     axes = [axis_of(part, tag, models, version, there) for tag in AXES[: COUNTS.get(kind, 0)]]
-    motions = KINDS[kind](part.name, frame, axes)
+    motions = KINDS[kind](part.name, frame.r, axes)
     pose = relative(models.frames.pose(parent), there)
     parent = WORLD if parent == frames.WORLD else parent
     edge = Edge(part.name, parent, child, pose, motions, element.line)
@@ -155,30 +155,15 @@ def _pitch(part: Part) -> float:
     return -tau / old
 
 
-def _turn(name: str, frame: Pose, axes: Sequence[Array]) -> tuple[Motion, ...]:
-    return (Turn(name, axes[0], frame.r),)
-
-
-def _two_axes(name: str, frame: Pose, axes: Sequence[Array]) -> tuple[Motion, ...]:
-    return tuple(Turn(f"{name}.{n}", axis, frame.r) for n, axis in enumerate(axes, 1))
-
-
-def _slide(name: str, frame: Pose, axes: Sequence[Array]) -> tuple[Motion, ...]:
-    return (Slide(name, axes[0]),)
-
-
-def _screw(name: str, frame: Pose, axes: Sequence[Array]) -> tuple[Motion, ...]:
-    return Slide(f"{name}.displacement", axes[0]), Turn(name, axes[0], frame.r)
-
-
 COUNTS = {"revolute": 1, "continuous": 1, "prismatic": 1, "screw": 1, "universal": 2, "revolute2": 2}  # axes
-KINDS: dict[str, Callable[[str, Pose, Sequence[Array]], tuple[Motion, ...]]] = {
-    "revolute": _turn,
-    "continuous": _turn,
-    "prismatic": _slide,
-    "screw": _screw,
-    "universal": _two_axes,
-    "revolute2": _two_axes,
-    "ball": lambda name, frame, axes: (Ball(name, frame.r),),
-    "fixed": lambda name, frame, axes: (),
+KINDS: dict[str, Callable[[str, Array, Sequence[Array]], tuple[Motion, ...]]] = {  # by name, point and axes
+    **dict.fromkeys(("revolute", "continuous"), lambda name, r, axes: (Turn(name, axes[0], r),)),
+    "prismatic": lambda name, r, axes: (Slide(name, axes[0]),),
+    "screw": lambda name, r, axes: (Slide(f"{name}.displacement", axes[0]), Turn(name, axes[0], r)),
+    **dict.fromkeys(
+        ("universal", "revolute2"),
+        lambda name, r, axes: tuple(Turn(f"{name}.{n}", axis, r) for n, axis in enumerate(axes, 1)),
+    ),
+    "ball": lambda name, r, axes: (Ball(name, r),),
+    "fixed": lambda name, r, axes: (),
 }

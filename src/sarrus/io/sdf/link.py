@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
 from ...model.bodies import solids
-from ...model.errors import ModelError
 from ..robot import Inertia, Link, Visual
 from ..robot.description import combined
 from ..xml.element import Element
+from ..xml.reader import read_shapes
 from .frames import number, pose_of, vector
 from .models import Part
 
@@ -93,18 +94,11 @@ def _size(shape: Element, part: Part) -> list[float]:
 
 
 def read_visuals(part: Part, name: str, notes: list[str]) -> Iterator[Visual]:
-    """Yield what a link looks like; unknown shapes are left out, and wrong ones with a note."""
-    for visual in part.element.all("visual"):
-        for shape in (s for geometry in visual.all("geometry") for s in geometry.children if s.tag in SIZES):
-            try:
-                yield _visual(visual, shape, name, part)
-            except ModelError as error:
-                notes.append(
-                    f"a visual of {part.reader.part} is left out, line {shape.line}: {error.message}"
-                )
+    """Return what a link looks like; unknown shapes are left out, and wrong ones with a note."""
+    return read_shapes(part.element, part.reader, SIZES, partial(_visual, name, part), notes)
 
 
-def _visual(visual: Element, shape: Element, name: str, part: Part) -> Visual:
+def _visual(name: str, part: Part, visual: Element, shape: Element) -> Visual:
     reader = part.reader
     file = reader.needed(shape, "uri", "<uri>meshes/arm.stl</uri>").text if shape.tag == "mesh" else ""
     size = tuple(map(float, _size(shape, part)))

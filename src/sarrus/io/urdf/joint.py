@@ -78,14 +78,6 @@ def _motions(element: Element, name: str, reader: Reader) -> tuple[Motion, ...]:
     return KINDS[kind](name, reader.direction(axis, X))
 
 
-def _turn(name: str, axis: Array) -> tuple[Motion, ...]:
-    return (Turn(name, axis, np.zeros(3)),)
-
-
-def _slide(name: str, axis: Array) -> tuple[Motion, ...]:
-    return (Slide(name, axis),)
-
-
 def _plane(name: str, axis: Array) -> tuple[Motion, ...]:
     first = perpendicular(axis)
     second = np.cross(axis, first)
@@ -94,13 +86,11 @@ def _plane(name: str, axis: Array) -> tuple[Motion, ...]:
 
 KINDS: dict[str, Callable[[str, Array], tuple[Motion, ...]]] = {
     "fixed": lambda name, axis: (),
-    "revolute": _turn,
-    "continuous": _turn,
-    "prismatic": _slide,
+    **dict.fromkeys(("revolute", "continuous"), lambda name, axis: (Turn(name, axis, np.zeros(3)),)),
+    "prismatic": lambda name, axis: (Slide(name, axis),),
     "planar": _plane,
     "floating": lambda name, axis: (Free(name),),
-    "ball": lambda name, axis: (Ball(name, np.zeros(3)),),
-    "spherical": lambda name, axis: (Ball(name, np.zeros(3)),),
+    **dict.fromkeys(("ball", "spherical"), lambda name, axis: (Ball(name, np.zeros(3)),)),
 }
 
 

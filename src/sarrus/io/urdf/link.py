@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import partial
 
 import numpy as np
 
-from ...model.errors import ModelError
 from ...model.geometry.pose import Pose
 from ..robot import Inertia, Link, Visual
 from ..xml.element import Element
-from ..xml.reader import Reader
+from ..xml.reader import Reader, read_shapes
 
 CHILDREN = ("inertial", "visual", "collision")
 ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -38,17 +38,12 @@ def colors_of(root: Element, reader: Reader) -> dict[str, tuple[float, ...]]:
 def read_visuals(
     element: Element, name: str, reader: Reader, colors: Mapping[str, tuple[float, ...]], notes: list[str]
 ) -> Iterator[Visual]:
-    """Yield what a link looks like; unknown shapes are left out, and wrong ones with a note."""
-    for visual in element.all("visual"):
-        for shape in (s for geometry in visual.all("geometry") for s in geometry.children if s.tag in SIZES):
-            try:
-                yield _visual(visual, shape, name, reader, colors)
-            except ModelError as error:
-                notes.append(f"a visual of {reader.part} is left out, line {shape.line}: {error.message}")
+    """Return what a link looks like; unknown shapes are left out, and wrong ones with a note."""
+    return read_shapes(element, reader, SIZES, partial(_visual, name, reader, colors), notes)
 
 
 def _visual(
-    visual: Element, shape: Element, name: str, reader: Reader, colors: Mapping[str, tuple[float, ...]]
+    name: str, reader: Reader, colors: Mapping[str, tuple[float, ...]], visual: Element, shape: Element
 ) -> Visual:
     file = reader.text(shape, "filename") if shape.tag == "mesh" else ""
     pose, color = reader.pose(visual), _color(visual, reader, colors)

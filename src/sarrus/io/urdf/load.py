@@ -13,7 +13,7 @@ from ...model.quantity import Vec3, Vector, vector
 from ...model.show import counted, quote, suggest
 from ..by_ending import importer
 from ..loops import close
-from ..robot import Actuator, Description, Dynamics, Edge, ImportOptions, Link, Robot, Visual, build
+from ..robot import Actuator, Description, Dynamics, Edge, ImportOptions, Link, Robot, build
 from ..robot.options import Base, InertiaOption, MeshOption, MimicOption
 from ..xml.element import Element, left_out, read_xml
 from ..xml.reader import Part, Reader, named
@@ -85,7 +85,12 @@ def describe(path: Path, gravity: Vec3) -> Description:
     edges = {name: _edge(part, name, links) for name, part in joint_parts.items()}
     start = root_of(edges, links, file)
     wrong: list[str] = []
-    visuals = _visuals(link_parts, colors_of(root, Reader(file, "robot")), wrong)
+    colors = colors_of(root, Reader(file, "robot"))
+    visuals = [
+        visual
+        for name, part in link_parts.items()
+        for visual in read_visuals(part.element, name, part.reader, colors, wrong)
+    ]
     single = {name for name, edge in edges.items() if [motion.name for motion in edge.motions] == [name]}
     actuators, without_motor = read_transmissions(root, single, file)
     gazebo, tree = read_gazebo(root, file), in_order(edges, links, start, file)
@@ -154,16 +159,6 @@ def _dynamics(
         if given != Dynamics():
             found |= {motion.name: given for motion in edges[name].motions}
     return found
-
-
-def _visuals(
-    parts: Mapping[str, Part], colors: Mapping[str, tuple[float, ...]], wrong: list[str]
-) -> list[Visual]:
-    return [
-        visual
-        for name, part in parts.items()
-        for visual in read_visuals(part.element, name, part.reader, colors, wrong)
-    ]
 
 
 def _notes(root: Element) -> list[str]:

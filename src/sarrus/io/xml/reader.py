@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from contextlib import AbstractContextManager
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from .element import Element
 if TYPE_CHECKING:
     from ...model.geometry.pose import Pose
 
+Look = TypeVar("Look")
 FLAGS = {"true": True, "1": True, "false": False, "0": False}
 
 
@@ -134,6 +135,30 @@ class Reader:
     def _spelling(self, message: str, given: str, known: Sequence[str], line: int) -> None:
         if given not in known and get_close_matches(given, known, n=1, cutoff=0.75):
             raise self.refusal(f"{message} {quote(given)}. {suggest(given, known)}", line)
+
+
+def read_shapes(
+    element: Element,
+    reader: Reader,
+    kinds: Container[str],
+    read: Callable[[Element, Element], Look],
+    notes: list[str],
+) -> Iterator[Look]:
+    """Yield what a link looks like; unknown shapes are left out, and wrong ones with a note.
+
+    Parameters
+    ----------
+    element, reader : the link
+    kinds : tags of shapes
+    read : the function of a <visual> and the shape in it
+    notes : to which those on wrong shapes are added
+    """
+    for visual in element.all("visual"):
+        for shape in (s for geometry in visual.all("geometry") for s in geometry.children if s.tag in kinds):
+            try:
+                yield read(visual, shape)
+            except ModelError as error:
+                notes.append(f"a visual of {reader.part} is left out, line {shape.line}: {error.message}")
 
 
 class Part(NamedTuple):

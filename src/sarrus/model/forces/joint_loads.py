@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import abc
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar
 
 from ... import elements
-from ..coordinate import ANGLE, DISPLACEMENT, chosen
+from ..coordinate import ANGLE, DISPLACEMENT, angle, chosen, displacement
 from ..errors import ModelError
 from ..geometry.placement import AboutAxis
 from ..geometry.pose import Poses
@@ -89,7 +88,7 @@ PLACEMENT = ("body_i", "body_j", "point", "axis", "frame_i", "frame_j")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class JointInertia(AboutAxis, abc.ABC):
+class JointInertia(AboutAxis):
     """Inertia of a joint's coordinate.
 
     Parameters
@@ -101,10 +100,14 @@ class JointInertia(AboutAxis, abc.ABC):
 
     joint: str = field(default="", kw_only=True)
     coordinate: ClassVar[type[elements.Element]] = ANGLE  # the element that measures it
+    element: ClassVar[type[elements.Element]] = elements.AngleInertia
+    unit: ClassVar[str] = "kg m²"
 
-    @abc.abstractmethod
-    def inertia_of(self, bodies: tuple[str, ...], vectors: tuple[Any, ...]) -> Primitive:
-        """The element, with the three vectors that measure the coordinate."""
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the inertia of a joint that is placed by bodies or frames."""
+        if not self.joint:
+            measured = angle if self.coordinate is ANGLE else displacement
+            yield self._inertia_along(measured(*self.frames(poses), poses).measure)
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the inertia of a joint that is given by name."""
@@ -113,8 +116,12 @@ class JointInertia(AboutAxis, abc.ABC):
         placed = next((name for name in PLACEMENT if getattr(self, name) is not None), None)
         if placed is not None:
             raise ModelError(f"has both joint and {placed}. Leave one of them out.", field=placed)
-        measure = chosen(self.joint, self.coordinate, signals.known, "joint").measure
-        yield self.inertia_of(measure.bodies, measure.values[:3])
+        yield self._inertia_along(chosen(self.joint, self.coordinate, signals.known, "joint").measure)
+
+    def _inertia_along(self: Any, measure: Primitive) -> Primitive:
+        """Return the element with the three vectors that measure the coordinate."""
+        inertia = not_negative(self.inertia, "inertia", f"Give it in {self.unit}.")
+        return Primitive(self.element, measure.bodies, (*measure.values[:3], inertia), "inertia")
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,17 +139,6 @@ class AngleInertia(JointInertia, Force):
 
     inertia: Annotated[float, In("kg m^2")] = field(kw_only=True)
 
-    def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the inertia of the angle."""
-        if not self.joint:
-            i, j = self.frames(poses)
-            yield self.inertia_of((i.body, j.body), (i.f, i.g, j.f))
-
-    def inertia_of(self, bodies: tuple[str, ...], vectors: tuple[Any, ...]) -> Primitive:
-        """The inertia of the angle."""
-        inertia = not_negative(self.inertia, "inertia", "Give it in kg m².")
-        return Primitive(elements.AngleInertia, bodies, (*vectors, inertia), "inertia")
-
 
 @dataclass(frozen=True, eq=False)
 class DisplacementInertia(JointInertia, Force):
@@ -157,15 +153,6 @@ class DisplacementInertia(JointInertia, Force):
     """
 
     inertia: Mass = field(kw_only=True)
-    coordinate: ClassVar[type[elements.Element]] = DISPLACEMENT
-
-    def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the inertia of the displacement."""
-        if not self.joint:
-            i, j = self.frames(poses)
-            yield self.inertia_of((i.body, j.body), (i.h, i.s, j.s))
-
-    def inertia_of(self, bodies: tuple[str, ...], vectors: tuple[Any, ...]) -> Primitive:
-        """The inertia of the displacement."""
-        inertia = not_negative(self.inertia, "inertia", "Give it in kg.")
-        return Primitive(elements.DisplacementInertia, bodies, (*vectors, inertia), "inertia")
+    coordinate = DISPLACEMENT
+    element = elements.DisplacementInertia
+    unit = "kg"

@@ -139,12 +139,9 @@ class PointForce(WithParameters, Force):
         if self.depends_on_outputs(self.force, self.factor):
             return
         force, curves = history(self.force, self.factor, "force")
-        element: type[elements.Element]
-        element = choose(self.axes, of_global=elements.PointForce, of_body=elements.FollowerForce)
-        if curves:
-            element = choose(
-                self.axes, of_global=elements.VaryingForce, of_body=elements.VaryingFollowerForce
-            )
+        constant = choose(self.axes, of_global=elements.PointForce, of_body=elements.FollowerForce)
+        varying = choose(self.axes, of_global=elements.VaryingForce, of_body=elements.VaryingFollowerForce)
+        element: type[elements.Element] = varying if curves else constant
         yield Primitive(element, (point.body,), (point.s, force, *curves), "force")
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
@@ -200,10 +197,9 @@ class Torque(ByFormula, Force):
         if not body or self.depends_on_outputs(self.torque, self.factor):
             return
         torque, curves = history(self.torque, self.factor, "torque")
-        element: type[elements.Element]
-        element = choose(self.axes, of_global=elements.Torque, of_body=elements.BodyTorque)
-        if curves:
-            element = choose(self.axes, of_global=elements.VaryingTorque, of_body=elements.VaryingBodyTorque)
+        constant = choose(self.axes, of_global=elements.Torque, of_body=elements.BodyTorque)
+        varying = choose(self.axes, of_global=elements.VaryingTorque, of_body=elements.VaryingBodyTorque)
+        element: type[elements.Element] = varying if curves else constant
         yield Primitive(element, (body,), (torque, *curves), "torque")
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:

@@ -14,6 +14,7 @@ from ..errors import ModelError
 from ..geometry.placement import AboutAxis, placed_frames, points_apart, refuse_same_body
 from ..geometry.points import Frame, Point, Solid
 from ..geometry.pose import Poses
+from ..laws.curve import Curve, Formula
 from ..laws.law import Law, of_one_variable, refuse_negative, scaled, varies
 from ..measure import Angle, In, Length, Place
 from ..primitive import Primitive
@@ -119,16 +120,9 @@ class TSDA(Force):
         """Yield the linear TSDA, or the nonlinear one if a law is a curve."""
         i, j = points_apart(self.point_i, self.point_j, poses)
         length = not_negative(self.length, "length", "Give the free length in m.")
-        laws = ((self.k, "k", "x"), (self.c, "c", "x"), (self.force, "force", "t"))
-        with of_one_variable(self):
-            (k, kappa), (c, chi), (force, phi) = (scaled(*law) for law in laws)
-        refuse_negative(k, "k")
-        refuse_negative(c, "c")
-        values = (i.s, j.s, k, c, length, force)
-        if any(varies(value) for value, *_ in laws):
-            yield Primitive(elements.NonlinearTSDA, (i.body, j.body), (*values, kappa, chi, phi), "tsda")
-        else:
-            yield Primitive(elements.TSDA, (i.body, j.body), values, "tsda")
+        (k, c, force), curves = _laws(self, self.k, self.c, (self.force, "force"))
+        kind = elements.NonlinearTSDA if curves else elements.TSDA
+        yield Primitive(kind, (i.body, j.body), (i.s, j.s, k, c, length, force, *curves), "tsda")
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,18 +161,23 @@ class RSDA(AboutAxis, Force):
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the linear RSDA, or the nonlinear one if a law is a curve, with its initial angle."""
         i, j = self.frames(poses)
-        laws = ((self.k, "k", "x"), (self.c, "c", "x"), (self.torque, "torque", "t"))
-        with of_one_variable(self):
-            (k, kappa), (c, chi), (torque, phi) = (scaled(*law) for law in laws)
-        refuse_negative(k, "k")
-        refuse_negative(c, "c")
+        (k, c, torque), curves = _laws(self, self.k, self.c, (self.torque, "torque"))
         free, start = number(self.angle, "angle", "Give radians."), angle(i, j, poses).start
-        values = (i.f, i.g, i.h, j.f, j.h, k, c, free, torque)
-        if any(varies(value) for value, *_ in laws):
-            curved = (*values, kappa, chi, phi, start)
-            yield Primitive(elements.NonlinearRSDA, (i.body, j.body), curved, "rsda")
-        else:
-            yield Primitive(elements.RSDA, (i.body, j.body), (*values, start), "rsda")
+        kind = elements.NonlinearRSDA if curves else elements.RSDA
+        values = (i.f, i.g, i.h, j.f, j.h, k, c, free, torque, *curves, start)
+        yield Primitive(kind, (i.body, j.body), values, "rsda")
+
+
+def _laws(
+    part: TSDA | RSDA, k: Law, c: Law, load: tuple[Law, str]
+) -> tuple[list[float], list[Curve | Formula]]:
+    """Return factors and curves of stiffness, damping and load; no curves if all are numbers."""
+    laws = ((k, "k", "x"), (c, "c", "x"), (*load, "t"))
+    with of_one_variable(part):
+        factors, curves = zip(*(scaled(*law) for law in laws), strict=True)
+    refuse_negative(factors[0], "k")
+    refuse_negative(factors[1], "c")
+    return list(factors), list(curves) if any(varies(law) for law, *_ in laws) else []
 
 
 Vector6: TypeAlias = Sequence[float] | tuple[float, ...]

@@ -90,7 +90,7 @@ def placed_frames(part: Any, axes: tuple[Axis, Axis] | None, poses: Poses) -> Fr
     """
     placing = ({"point": part.point} if hasattr(part, "point") else {}) | dict(axes or ())
     by_frames = part.frame_i is not None or part.frame_j is not None
-    frames = _given(part, placing, poses) if by_frames else _made(part, placing, axes, poses)
+    frames = frames_on_bodies(part, placing, poses) if by_frames else _made(part, placing, axes, poses)
     refuse_same_body(frames.i.body, frames.j.body, "frame_j" if by_frames else "body_j")
     return frames
 
@@ -111,13 +111,14 @@ def _made(
     )
 
 
-def _given(part: Any, placing: Mapping[str, Vector | None], poses: Poses) -> Frames:
+def frames_on_bodies(part: Any, placing: Mapping[str, object], poses: Poses) -> Frames:
+    """Return the two frames that are given to a part, in place of global points and axes."""
     refuse_both(placing, "frames")
     if part.frame_i is None or part.frame_j is None:
         raise ModelError("one of its two frames is missing. Give a frame on each body.", field="frame_i")
     frames = Frames(part.frame_i.resolve(poses, "frame_i"), part.frame_j.resolve(poses, "frame_j"))
-    refuse_other_body(part.body_i, frames.i.body, "frame_i")
-    refuse_other_body(part.body_j, frames.j.body, "frame_j")
+    refuse_other_body(getattr(part, "body_i", None), frames.i.body, "frame_i")
+    refuse_other_body(getattr(part, "body_j", None), frames.j.body, "frame_j")
     return frames
 
 

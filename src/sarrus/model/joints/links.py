@@ -11,7 +11,7 @@ from ... import elements
 from ..._jit.formulas.functions import cos
 from ..coordinate import Coordinate, heading
 from ..errors import ModelError
-from ..geometry.placement import Frames, refuse_both, refuse_same_body
+from ..geometry.placement import Frames, frames_on_bodies, refuse_same_body
 from ..geometry.points import PERPENDICULAR, Frame, LocalFrame, LocalPoint, Point, frame_axes
 from ..geometry.pose import Poses
 from ..measure import Angle, Direction, Length
@@ -36,12 +36,8 @@ class Link:
     ) -> Frames:
         """Return the frames of both ends in body axes, with h along the axes."""
         if self.frame_i is not None or self.frame_j is not None:
-            if self.frame_i is None or self.frame_j is None:
-                raise ModelError(
-                    "one of its two frames is missing. Give a frame on each body.", field="frame_i"
-                )
-            refuse_both({"point_i": self.point_i, "point_j": self.point_j, fields[0]: axis_i}, "frames")
-            frames = Frames(self.frame_i.resolve(poses, "frame_i"), self.frame_j.resolve(poses, "frame_j"))
+            placing = {"point_i": self.point_i, "point_j": self.point_j, fields[0]: axis_i}
+            frames = frames_on_bodies(self, placing, poses)
         elif self.point_i is None or self.point_j is None:
             raise ModelError("its ends are missing. Give a point or a frame on each body.", field="point_i")
         else:

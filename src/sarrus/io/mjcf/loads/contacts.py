@@ -20,7 +20,7 @@ from ....model.quantity import Array, triple
 from ....model.show import quote
 from ...robot import Robot
 from ...robot.interaction import Ends
-from ..bodies import names_of, placed
+from ..bodies import frame_at, names_of, placed
 from ..compiled import Shape, disabled, enabled, name_of, version
 from .compliance import STATIONARY, compliance
 
@@ -57,10 +57,11 @@ def contacts_of(compiled: Any, robot: Robot) -> Iterator[tuple[SphereContact, En
         if not robot.links.keys() >= {*links} or robot.link(links[0]).body is robot.link(links[1]).body:
             continue
         law = _law(compiled, pair)
+        flat = placed(compiled.geom_pos[pair.plane], compiled.geom_quat[pair.plane])
         name = f"{name_of(compiled, 'geom', pair.shape)}_contact"
         for n, (center, radius) in enumerate(spots):
             touching = radius + pair.margin  # distance from the plane
-            plane = _frame(compiled, robot, links[0], pair.plane, min(touching, 0.0))
+            plane = frame_at(robot, links[0], flat._replace(r=flat.r + min(touching, 0.0) * flat.A[:, 2]))
             place = {
                 "center": robot.point(links[1], triple(center)),
                 "radius": max(touching, 0.0),
@@ -217,8 +218,3 @@ def _carrying_mass(compiled: Any, bodies: Any) -> float:
     """Return the largest mass of what bodies without mass are fixed to, with what hangs on it."""
     roots = compiled.body_weldid[bodies]
     return float(max(compiled.body_subtreemass[roots[roots > 0]], default=0.0))
-
-
-def _frame(compiled: Any, robot: Robot, link: str, plane: int, height: float) -> Any:
-    pose = placed(compiled.geom_pos[plane], compiled.geom_quat[plane])
-    return robot.frame(link, triple(pose.r + height * pose.A[:, 2]), x=pose.A[:, 0], z=pose.A[:, 2])

@@ -59,12 +59,7 @@ class _Search:
 
     def __init__(self, description: Description, values: Mapping[str, Array], held: Collection[str]) -> None:
         self.branches = [
-            Branch(
-                GROUND if edge.parent == description.root else edge.parent,
-                edge.child,
-                edge.pose,
-                edge.motions,
-            )
+            Branch(_named(edge.parent, description), edge.child, edge.pose, edge.motions)
             for edge in description.edges
         ]
         motions = [motion for branch in self.branches for motion in branch.motions]
@@ -74,16 +69,11 @@ class _Search:
         self.size = (
             max((float(np.linalg.norm(s.pose.r)) for s in walk(self.branches, values)), default=0.0) or 1.0
         )
-        self.ends = [
-            (
-                _named(edge.parent, description),
-                edge.pose.global_point(point),
-                _named(edge.child, description),
-                point,
-            )
-            for edge in description.loops
-            for point in _points(edge, LEVER * self.size)
-        ]
+        self.ends = []  # of pairs of points: body i, point in its axes, body j, point in its axes
+        for edge in description.loops:
+            i, j = (_named(link, description) for link in (edge.parent, edge.child))
+            points = _points(edge, LEVER * self.size)
+            self.ends += [(i, edge.pose.global_point(point), j, point) for point in points]
 
     def values(self, theta: Array) -> dict[str, Array]:
         """Return the coordinates by motion, with Euler parameters of unit length."""

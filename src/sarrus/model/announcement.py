@@ -73,18 +73,18 @@ _collection: ContextVar[Collection | None] = ContextVar("collection", default=No
 @contextmanager
 def collecting(strict: bool = False) -> Iterator[Collection]:
     """Collect what is announced in this block; nothing of it leaves the block by itself."""
-    found = Collection(strict)
-    token = _collection.set(found)
+    collection = Collection(strict)
+    token = _collection.set(collection)
     try:
-        yield found
+        yield collection
     finally:
         _collection.reset(token)
 
 
 def collected() -> tuple[str, ...]:
     """The messages so far of the analysis that is running."""
-    found = _collection.get()
-    return tuple(dict.fromkeys((*found.carried, *found.messages))) if found else ()
+    collection = _collection.get()
+    return tuple(dict.fromkeys((*collection.carried, *collection.messages))) if collection else ()
 
 
 def carry(messages: tuple[str, ...]) -> None:
@@ -95,11 +95,11 @@ def carry(messages: tuple[str, ...]) -> None:
     StrictError
         With the first message, if the analysis was called with ``strict=True``.
     """
-    found = _collection.get()
-    if found is not None and messages:
-        if found.strict:
+    collection = _collection.get()
+    if collection is not None and messages:
+        if collection.strict:
             raise StrictError(messages[0])
-        found.carried = messages
+        collection.carried = messages
 
 
 def announce(messages: Iterable[str], *, strict: bool = False, stacklevel: int = 3) -> tuple[str, ...]:

@@ -81,8 +81,8 @@ def heading(
 def angle_between(f: tuple[str, Vec3], g: tuple[str, Vec3], a: tuple[str, Vec3], poses: Poses) -> float:
     """The angle of a in the plane of f and g in the initial pose, each given with its body. [rad]"""
     f_, g_, a_ = (turned(vector, body, poses) for body, vector in (f, g, a))
-    found: float = atan2(plain(g_ @ a_), plain(f_ @ a_))
-    return found
+    value: float = atan2(plain(g_ @ a_), plain(f_ @ a_))
+    return value
 
 
 def turned(local: Vec3, body: str, poses: Poses) -> Array:
@@ -108,9 +108,9 @@ def chosen(reference: str, kind: type[Element] | None, known: Known, field: str)
         raise ModelError(f"there is no joint {quote(joint)}. {suggest(joint, known)}", field=field)
     word = "coordinate" if kind is None else WORDS[kind]
     fit = [c for c in known[joint] if c.measure.element in WORDS and kind in (None, c.measure.element)]
-    found = [c for c in fit if name in ("", c.name)]
-    if len(found) == 1:
-        return found[0]
+    matching = [c for c in fit if name in ("", c.name)]
+    if len(matching) == 1:
+        return matching[0]
     if not fit:
         own = ", ".join(f"{joint}.{c.name}" for c in known[joint]) or "none"
         raise ModelError(f"joint {quote(joint)} has no {word}. Its coordinates: {own}.", field=field)

@@ -100,9 +100,9 @@ def scalar_fields(kind: type) -> frozenset[str]:
 @cache
 def matrix_fields(kind: type) -> frozenset[str]:
     """Return the fields of a dataclass that may be a list of rows, but no single number and no table of pairs."""
-    found = {name: typed(hint).members for name, hint in _hints(kind).items()}
+    members = {name: typed(hint).members for name, hint in _hints(kind).items()}
     return frozenset(
-        name for name, of in found.items() if Sequence[Sequence[float]] in of and float not in of
+        name for name, kinds in members.items() if Sequence[Sequence[float]] in kinds and float not in kinds
     )
 
 

@@ -110,12 +110,12 @@ def vector(value: Any, field: str, remedy: str = "Give three numbers [x, y, z]."
 
 def direction(value: Any, field: str) -> Array:
     """Return the unit vector along ``value``, or raise a ModelError about ``field``. (3,) [-]"""
-    given = np.array(vector(value, field))
-    largest = float(np.max(np.abs(values_of(given))))
+    components = np.array(vector(value, field))
+    largest = float(np.max(np.abs(values_of(components))))
     if largest < SMALLEST_LENGTH:
         message = f"{field} has zero length. Give three numbers that are not all zero, for example [0, 0, 1]."
         raise ModelError(message, field=field)
-    scaled = given / largest
+    scaled = components / largest
     return np.asarray(scaled / np.linalg.norm(scaled))
 
 

@@ -43,14 +43,14 @@ def written_numbers(model: Model) -> dict[str, float]:
     A centre of mass and a gravity of zeros are left out: they are no part of the equations of motion. So are those that
     a part names in ``absent_numbers``, because its equations have other terms where they are zero or missing.
     """
-    found: dict[str, float] = {}
+    numbers: dict[str, float] = {}
 
     def note(steps: Steps, value: Any) -> Any:
-        found[named(steps)] = float(value)
+        numbers[named(steps)] = float(value)
         return value
 
     exchanged(model, note)
-    return found
+    return numbers
 
 
 def exchanged(model: Model, change: Change) -> Model:
@@ -174,15 +174,15 @@ def _traced(number: Number) -> Any:
 
 def in_functions(model: Model) -> dict[str, str]:
     """Return the numbers in functions that are parameters of the model file, with the parameters' names."""
-    found: dict[str, str] = {}
+    names: dict[str, str] = {}
 
     def note(steps: Steps, value: Any) -> Any:
         if isinstance(value, GivenNumber):
-            found[named(steps)] = value.of
+            names[named(steps)] = value.of
         return value
 
     exchanged(model, note)
-    return found
+    return names
 
 
 def numbers_in_jumps(model: Model) -> frozenset[str]:

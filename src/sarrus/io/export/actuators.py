@@ -66,8 +66,8 @@ class Actuators:
         return {name for names in (*self.parts.values(), *missing) for name in names}
 
     def _add(self, part: Any, joint: str, find: Find) -> None:
-        found, kind = find(joint, ANGLE if isinstance(part, Torque) else DISPLACEMENT), type(part).__name__
-        if found is None:
+        match, kind = find(joint, ANGLE if isinstance(part, Torque) else DISPLACEMENT), type(part).__name__
+        if match is None:
             raise no_place(part.name, f"{kind} along a coordinate of {joint}")
         tree = _tree(part, part.value)
         factor = _tree(part, getattr(part, "factor", 1.0))
@@ -80,12 +80,12 @@ class Actuators:
         given = _linear(value, one)
         if given is None:
             raise no_place(part.name, f"{kind} that is not linear in its input, coordinate and rate")
-        self._write(part.name, one, found, given, forces, controls.get(one, (-inf, inf)))
+        self._write(part.name, one, match, given, forces, controls.get(one, (-inf, inf)))
 
     def _write(
-        self, part: str, driving: str, found: Match, given: Any, forces: Any, limits: tuple[float, float]
+        self, part: str, driving: str, match: Match, given: Any, forces: Any, limits: tuple[float, float]
     ) -> None:
-        s, start = found.sign, found.start
+        s, start = match.sign, match.start
         activation, control, factor = None, driving, 1.0
         if driving in self.states:
             activation, factor, control, limits = self._activation(driving)
@@ -95,7 +95,7 @@ class Actuators:
         gain, gain_x, gain_v = (factor * one for one in given[:3])
         offset, kp, kv = given[3:]
         self.actuators[name] = Actuator(
-            found.motion,
+            match.motion,
             gain=s * (gain + gain_x * start),
             offset=s * (offset - kp * start),
             kp=kp,
@@ -124,9 +124,9 @@ class Actuators:
         inputs = [one for one in rate.names() if one != name]
         terms = polynomial(rate)
         if len(inputs) == 1 and inputs[0] in self.inputs and terms is not None:
-            own, other = (terms.pop((one,), 0.0) for one in (name, inputs[0]))
-            if not any(terms.values()) and other and (own < 0 or (own == 0 and other == 1)):
-                time, gain = (-1 / own, -other / own) if own else (0.0, 1.0)
+            decay, other = (terms.pop((one,), 0.0) for one in (name, inputs[0]))
+            if not any(terms.values()) and other and (decay < 0 or (decay == 0 and other == 1)):
+                time, gain = (-1 / decay, -other / decay) if decay else (0.0, 1.0)
                 return (
                     Activation(time, float(state.initial or 0.0) / gain),
                     gain,
@@ -140,7 +140,7 @@ def clamped(tree: Expression) -> tuple[Expression, tuple[float, float]]:
     """Return a formula without the outer `min` and `max` of a number, and its limits; a number for equal limits."""
     lower, upper = -inf, inf
     while isinstance(tree, Call) and tree.function.name in ("min", "max") and len(tree.args) == 2:
-        numbers = [one for one in tree.args if not one.names()]
+        numbers = [arg for arg in tree.args if not arg.names()]
         if len(numbers) != 1:
             break
         bound = float(numbers[0].value())
@@ -148,7 +148,7 @@ def clamped(tree: Expression) -> tuple[Expression, tuple[float, float]]:
             upper = max(lower, min(upper, bound))  # the outer bounds count
         else:
             lower = min(upper, max(lower, bound))
-        tree = next(one for one in tree.args if one is not numbers[0])
+        tree = next(arg for arg in tree.args if arg is not numbers[0])
     return (Number(lower), (-inf, inf)) if lower == upper else (tree, (lower, upper))
 
 
@@ -191,9 +191,9 @@ def _tree(part: Any, law: Any) -> Expression:
 def _linear(tree: Expression, driving: str) -> tuple[float, ...] | None:
     """Return gain, gain_x, gain_v, offset, kp and kv of a formula, None if it is not linear."""
     terms = polynomial(tree.replaced({name: Name(word) for name, word in OWN.items()} | {driving: Name("u")}))
-    if terms is None or any(terms[one] for one in terms.keys() - {*TERMS}):
+    if terms is None or any(terms[term] for term in terms.keys() - {*TERMS}):
         return None
-    gain, gain_x, gain_v, offset, by_x, by_v = (terms.get(one, 0.0) for one in TERMS)
+    gain, gain_x, gain_v, offset, by_x, by_v = (terms.get(term, 0.0) for term in TERMS)
     return gain, gain_x, gain_v, offset, -by_x, -by_v
 
 

@@ -181,17 +181,17 @@ def _without(model: Model, ignore: Collection[str]) -> Model:
 
 def _poses(model: Model, q: Array) -> dict[str, Pose]:
     rows = q[: 7 * len(model.bodies)].reshape(-1, 7)
-    found = {body.name: pose(row[:3], unit(row[3:])) for body, row in zip(model.bodies, rows, strict=True)}
-    return {GROUND: GROUND_POSE, **found}
+    poses = {body.name: pose(row[:3], unit(row[3:])) for body, row in zip(model.bodies, rows, strict=True)}
+    return {GROUND: GROUND_POSE, **poses}
 
 
 def _twists(model: Model, q: Array, v: Array) -> dict[str, tuple[Array, Array]]:
     """Return the velocity of the origin and the angular velocity of each body, in global axes."""
-    found = {GROUND: (np.zeros(3), np.zeros(3))}
+    twists = {GROUND: (np.zeros(3), np.zeros(3))}
     for n, body in enumerate(model.bodies):
         p, rate = q[7 * n + 3 : 7 * n + 7], v[7 * n : 7 * n + 7]
-        found[body.name] = rate[:3], 2 * E(p) @ rate[3:]  # Eq. (1)
-    return found
+        twists[body.name] = rate[:3], 2 * E(p) @ rate[3:]  # Eq. (1)
+    return twists
 
 
 def _inertial(body: object) -> Inertia:
@@ -231,18 +231,18 @@ class Coordinates:
 
 def _mimics(model: Model, coordinates: Coordinates) -> tuple[dict[str, Mimic], list[Gap]]:
     """Return the motions that follow another by a coupler, and the couplers that cannot be written."""
-    found, missing = dict[str, Mimic](), list[Gap]()
+    mimics, missing = dict[str, Mimic](), list[Gap]()
     for coupler in (joint for joint in model.joints if isinstance(joint, Coupler)):
         try:
             leader, follower = (
                 _end(coupler, reference, coordinates) for reference in (coupler.joint_i, coupler.joint_j)
             )
-            if follower in found:
+            if follower in mimics:
                 raise no_place(coupler.name, f"second {type(coupler).__name__} of a joint")
-            found[follower] = Mimic(leader, float(coupler.ratio))
+            mimics[follower] = Mimic(leader, float(coupler.ratio))
         except NotInFormat as error:
             missing.append(error.missing)
-    return found, missing
+    return mimics, missing
 
 
 def _end(coupler: Coupler, reference: str, coordinates: Coordinates) -> str:

@@ -82,17 +82,17 @@ class Loads:
         take = _TAKERS.get(piece.element)
         return take is not None and bool(take(self, name, piece.bodies, piece.values))
 
-    def add(self, name: str, found: Match | None, **values: float) -> bool:
+    def add(self, name: str, match: Match | None, **values: float) -> bool:
         """Add dynamics of a force to a motion."""
-        if found is None:
+        if match is None:
             return False
         for field in values:
             if values[field] and field != "free":
-                self.owners.setdefault((found.motion, field), []).append(name)
-        before = self.dynamics.get(found.motion, Dynamics())
+                self.owners.setdefault((match.motion, field), []).append(name)
+        before = self.dynamics.get(match.motion, Dynamics())
         k = before.stiffness + values.get("stiffness", 0.0)
         moment = before.stiffness * before.free + values.get("stiffness", 0.0) * values.get("free", 0.0)
-        self.dynamics[found.motion] = Dynamics(
+        self.dynamics[match.motion] = Dynamics(
             stiffness=k,
             free=moment / k if k else 0.0,
             damping=before.damping + values.get("damping", 0.0),
@@ -106,20 +106,20 @@ class Loads:
     ) -> Match | None:
         """Return the rotation that an angle from f_i to f_j measures."""
         h_i = np.cross(f_i, g_i)
-        found = self.motion(bodies, h_i, Turn)
-        if found is None:
+        match = self.motion(bodies, h_i, Turn)
+        if match is None:
             return None
         now = angle_between((bodies[0], f_i), (bodies[0], g_i), (bodies[1], f_j), self.poses)
         revolutions = 0.0 if start is None else round((start - now) / (2 * np.pi))
-        return found._replace(start=now + 2 * np.pi * revolutions)
+        return match._replace(start=now + 2 * np.pi * revolutions)
 
     def displacement(self, bodies: tuple[str, ...], h_i: Vec3, s_i: Vec3, s_j: Vec3) -> Match | None:
         """Return the slide that a displacement along h_i measures."""
-        found = self.motion(bodies, np.array(h_i), Slide)
+        match = self.motion(bodies, np.array(h_i), Slide)
         apart = self.poses[bodies[1]].global_point(np.array(s_j)) - self.poses[bodies[0]].global_point(
             np.array(s_i)
         )
-        return found and found._replace(start=float(self.poses[bodies[0]].A @ np.array(h_i) @ apart))
+        return match and match._replace(start=float(self.poses[bodies[0]].A @ np.array(h_i) @ apart))
 
     def motion(self, bodies: tuple[str, ...], axis: Any, kind: type[Motion]) -> Match | None:
         """Return the motion of a kind between two bodies, along or about an axis of the first, or about a point."""
@@ -142,9 +142,9 @@ class Loads:
 
 def _rsda(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
     f_i, g_i, _h_i, f_j, _h_j, k, c, free, torque, start = values
-    found = loads.angle(bodies, f_i, g_i, f_j, start)
-    at = 0.0 if found is None else found.sign * (free - found.start)
-    return not torque and loads.add(name, found, stiffness=k, damping=c, free=at)
+    match = loads.angle(bodies, f_i, g_i, f_j, start)
+    at = 0.0 if match is None else match.sign * (free - match.start)
+    return not torque and loads.add(name, match, stiffness=k, damping=c, free=at)
 
 
 def _bushing(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
@@ -156,11 +156,11 @@ def _bushing(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> b
     k, c = float(K[2, 2]), float(C[2, 2])
     if np.any(K[~only]) or np.any(C[~only]) or np.any(preload[~only[2]]) or (preload[2] and not k):
         return False
-    found = loads.displacement(bodies, h_i, s_i, s_j)
-    if found is None:
+    match = loads.displacement(bodies, h_i, s_i, s_j)
+    if match is None:
         return False
     free = preload[2] / k if k else 0.0
-    return loads.add(name, found, stiffness=k, damping=c, free=found.sign * (free - found.start))
+    return loads.add(name, match, stiffness=k, damping=c, free=match.sign * (free - match.start))
 
 
 def _tsda(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
@@ -181,16 +181,16 @@ def _displacement_inertia(loads: Loads, name: str, bodies: tuple[str, ...], valu
 
 def _angle_friction(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
     h_i, radius, load, mu, mu_static, _stribeck, _creep, viscous = values
-    found = loads.motion(bodies, h_i, Turn)
+    match = loads.motion(bodies, h_i, Turn)
     return mu == mu_static and loads.add(
-        name, found, friction=load * mu * radius, damping=viscous * radius**2
+        name, match, friction=load * mu * radius, damping=viscous * radius**2
     )
 
 
 def _displacement_friction(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
     h_i, _s_j, load, mu, mu_static, _stribeck, _creep, viscous = values
-    found = loads.motion(bodies, h_i, Slide)
-    return mu == mu_static and loads.add(name, found, friction=load * mu, damping=viscous)
+    match = loads.motion(bodies, h_i, Slide)
+    return mu == mu_static and loads.add(name, match, friction=load * mu, damping=viscous)
 
 
 def _angle_stop(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
@@ -208,23 +208,23 @@ def _rotation_spring(loads: Loads, name: str, bodies: tuple[str, ...], values: A
     *_, k, c, friction, _creep = values
     i, j = (loads.poses[body] for body in bodies)
     turned = np.linalg.norm(RotationSpring(*values).rotation(Pair(i.r, i.p, j.r, j.p)))
-    found = loads.motion(bodies, np.zeros(3), Ball)
-    if found is None or (k and turned > PARALLEL) or (friction and found.sign < 0):
+    match = loads.motion(bodies, np.zeros(3), Ball)
+    if match is None or (k and turned > PARALLEL) or (friction and match.sign < 0):
         return False
-    return loads.add(name, found, stiffness=k, damping=c, friction=friction)
+    return loads.add(name, match, stiffness=k, damping=c, friction=friction)
 
 
 def _rotation_inertia(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
     return loads.add(name, loads.motion(bodies, np.zeros(3), Ball), inertia=values[0])
 
 
-def _stop(loads: Loads, found: Match | None, limit: float, sign: float) -> bool:
+def _stop(loads: Loads, match: Match | None, limit: float, sign: float) -> bool:
     """Take one end of the range of a coordinate: the upper one where the sign is positive."""
-    if found is None:
+    if match is None:
         return False
-    lower, upper = loads.ranges.get(found.motion, (None, None))
-    value = found.sign * (limit - found.start)
-    loads.ranges[found.motion] = (lower, value) if sign * found.sign > 0 else (value, upper)
+    lower, upper = loads.ranges.get(match.motion, (None, None))
+    value = match.sign * (limit - match.start)
+    loads.ranges[match.motion] = (lower, value) if sign * match.sign > 0 else (value, upper)
     return True
 
 

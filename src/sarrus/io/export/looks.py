@@ -45,10 +45,10 @@ def with_shapes(
 
 def looks_by_body(contents: Contents) -> Mapping[str, Sequence[Look]]:
     """Return the shapes of each body."""
-    found: dict[str, list[Look]] = {}
+    looks: dict[str, list[Look]] = {}
     for look in contents.looks:
-        found.setdefault(look.body, []).append(look)
-    return found
+        looks.setdefault(look.body, []).append(look)
+    return looks
 
 
 def rgba(look: Look) -> tuple[float, ...] | None:

@@ -32,15 +32,15 @@ def no_place(name: str, kind: str) -> NotInFormat:
 
 def refusal(model: str, parts: Sequence[Gap], ignore: Sequence[str]) -> ModelError:
     """Return the error for all parts that a format does not have, with the whole list of names to ignore."""
-    names = list(dict.fromkeys(name for one in parts for name in one.names))
+    names = list(dict.fromkeys(name for gap in parts for name in gap.names))
     kinds = dict[str, dict[str, None]]()
-    for one in parts:
-        kinds.setdefault(one.what, {}).update(dict.fromkeys(one.names))
+    for gap in parts:
+        kinds.setdefault(gap.what, {}).update(dict.fromkeys(gap.names))
     whole = len(names) > 1
-    found = "; ".join(f"{what} ({listed([*some])})" if whole else what for what, some in kinds.items())
+    text = "; ".join(f"{what} ({listed([*some])})" if whole else what for what, some in kinds.items())
     these, them = ("these parts", "them") if whole else ("it", "it")
     other = ", or export it as .xml" if all(what.startswith("no ") for what in kinds) else ""
     message = (
-        f"the format has {found}. Remove {these}, or leave {them} out with ignore={[*ignore, *names]}{other}."
+        f"the format has {text}. Remove {these}, or leave {them} out with ignore={[*ignore, *names]}{other}."
     )
     return ModelError(message, part=f"model {quote(model)}" if whole else names[0])

@@ -91,10 +91,10 @@ class _Writer:
             joint.set("type", "slide")
         if isinstance(motion, Turn | Slide):
             joint.set("axis", numbers(motion.axis))
-        given = self.contents.dynamics.get(motion.name)
-        if given is not None:
+        dynamics = self.contents.dynamics.get(motion.name)
+        if dynamics is not None:
             values = zip(
-                ("stiffness", "springref", "damping", "frictionloss", "armature"), given, strict=True
+                ("stiffness", "springref", "damping", "frictionloss", "armature"), dynamics, strict=True
             )
             for name, value in values:
                 joint.set(name, numbers([value]))
@@ -146,19 +146,19 @@ class _Writer:
             child(section, "connect", name=name, anchor=anchor, solimp=RIGID, **names)
 
     def _actuators(self) -> None:
-        for name, given in self.contents.actuators.items():
-            assert isinstance(given.on, str)
-            force = child(self.sections["actuator"], "general", name=name, joint=given.on)
+        for name, actuator in self.contents.actuators.items():
+            assert isinstance(actuator.on, str)
+            force = child(self.sections["actuator"], "general", name=name, joint=actuator.on)
             force.set("gaintype", "affine")
-            force.set("gainprm", numbers([given.gain, given.gain_x, given.gain_v]))
+            force.set("gainprm", numbers([actuator.gain, actuator.gain_x, actuator.gain_v]))
             force.set("biastype", "affine")
-            force.set("biasprm", numbers([given.offset, -given.kp, -given.kv]))
-            for word, ends in (("ctrlrange", given.controls), ("forcerange", given.forces)):
+            force.set("biasprm", numbers([actuator.offset, -actuator.kp, -actuator.kv]))
+            for word, ends in (("ctrlrange", actuator.controls), ("forcerange", actuator.forces)):
                 if ends != (-inf, inf):
                     force.set(word, numbers([max(ends[0], -FAR), min(ends[1], FAR)]))
-            if isinstance(given.activation, Activation):
-                force.set("dyntype", "filterexact" if given.activation.time else "integrator")
-                force.set("dynprm", numbers([given.activation.time or 1.0]))
+            if isinstance(actuator.activation, Activation):
+                force.set("dyntype", "filterexact" if actuator.activation.time else "integrator")
+                force.set("dynprm", numbers([actuator.activation.time or 1.0]))
         self._pushes()
 
     def _pushes(self) -> None:

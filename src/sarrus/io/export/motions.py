@@ -144,8 +144,8 @@ def rates(
         (v, omega), (v_i, omega_i) = twists[edge.child], twists[edge.parent or GROUND]
         apart = frame.r - poses[edge.parent or GROUND].r
         relative_rates = np.concatenate([v - v_i - np.cross(omega_i, apart), omega - omega_i])
-        units = [(motion, one) for motion in edge.motions for one in _units(motion, frame)]
-        columns = [np.concatenate([one.at(frame.r), one.omega]) for _, one in units]
+        units = [(motion, twist) for motion in edge.motions for twist in _units(motion, frame)]
+        columns = [np.concatenate([twist.at(frame.r), twist.omega]) for _, twist in units]
         solved = np.linalg.lstsq(np.transpose(columns), relative_rates, rcond=None)[0] if columns else ()
         for (motion, _), value in zip(units, solved, strict=True):
             found[motion.name] = np.append(found.get(motion.name, []), value)

@@ -63,8 +63,8 @@ def loops(contents: Contents) -> str:
     for edge in contents.loops:
         i, j = edge.parent, edge.child
         motions = tuple(_moved(motion, frames[j].r) for motion in edge.motions)
-        made = joint(Hinge(edge.name, solids[i], solids[j], relative(poses[i], poses[j])), motions)
-        joints += [made] if made is not None else []
+        closing = joint(Hinge(edge.name, solids[i], solids[j], relative(poses[i], poses[j])), motions)
+        joints += [closing] if closing is not None else []
     model = Model(contents.name, [*bodies.values()], joints)
     return yaml_text({"joints": plain_data(model, Path())["joints"]})
 

@@ -111,14 +111,14 @@ def notes(compiled: Any, ignore: Collection[str], file: str) -> list[str]:
     ModelError
         For what changes the motion, unless ``ignore`` has its word.
     """
-    found = list(left_out(compiled))
-    refused = [one for one in found if one.number and one.word and one.word not in ignore]
+    omissions = list(left_out(compiled))
+    refused = [one for one in omissions if one.number and one.word and one.word not in ignore]
     if refused:
         message = f"has {'; '.join(one.described() for one in refused)}, without which it moves differently"
         words = list(dict.fromkeys([*ignore, *(one.word for one in refused)]))
         remedy = f"Take them out of the file, or import it with ignore={words}."
         raise ModelError(f"{message}. {remedy}", part="file", where=file)
-    return [f"{missing.described()}: left out" for missing in found if missing.number]
+    return [f"{missing.described()}: left out" for missing in omissions if missing.number]
 
 
 def _named(compiled: Any, word: str, which: Sequence[int], text: str, kind: str) -> Omission:

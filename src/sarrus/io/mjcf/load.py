@@ -48,7 +48,7 @@ def fluid_forces(compiled: Any, robot: Robot) -> Iterator[Force]:
     if not _has_fluid(compiled):
         return
     links = names_of(compiled)
-    found = list[tuple[str, Callable[[str], Force]]]()
+    parts = list[tuple[str, Callable[[str], Force]]]()
     law: dict[str, Any] = {"density": float(compiled.opt.density), "viscosity": float(compiled.opt.viscosity)}
     law["wind"] = triple(compiled.opt.wind)
     for k, link in enumerate(links):
@@ -58,19 +58,19 @@ def fluid_forces(compiled: Any, robot: Robot) -> Iterator[Force]:
         shapes = [n for n in range(first, first + count) if compiled.geom_fluid[n, 0]]
         for n in shapes:
             place = placed(compiled.geom_pos[n], compiled.geom_quat[n])
-            given: dict[str, Any] = {
+            fields: dict[str, Any] = {
                 "frame": frame_at(robot, link, place),
                 "semiaxes": _semiaxes(compiled, n),
             }
-            given |= _coefficients(compiled, n)
-            found.append((f"{name_of(compiled, 'geom', n)}_fluid", partial(EllipsoidDrag, **given, **law)))
+            fields |= _coefficients(compiled, n)
+            parts.append((f"{name_of(compiled, 'geom', n)}_fluid", partial(EllipsoidDrag, **fields, **law)))
         if not shapes:
             place = placed(compiled.body_ipos[k], compiled.body_iquat[k])
             box = triple(_box(compiled.body_mass[k], compiled.body_inertia[k]))
-            given = {"frame": frame_at(robot, link, place), "box": box}
-            found.append((f"{link}_fluid", partial(BoxDrag, **given, **law)))
-    names = robot.free_names([name for name, _ in found], "_force")
-    yield from (force(name) for name, (_, force) in zip(names, found, strict=True))
+            fields = {"frame": frame_at(robot, link, place), "box": box}
+            parts.append((f"{link}_fluid", partial(BoxDrag, **fields, **law)))
+    names = robot.free_names([name for name, _ in parts], "_force")
+    yield from (force(name) for name, (_, force) in zip(names, parts, strict=True))
 
 
 def _has_fluid(compiled: Any) -> bool:
@@ -80,7 +80,7 @@ def _has_fluid(compiled: Any) -> bool:
 
 def _semiaxes(compiled: Any, shape: int) -> Vec3:
     """Return the semi-axes of MuJoCo's ellipsoid for a shape."""
-    a, b, c = (float(one) for one in compiled.geom_size[shape])
+    a, b, c = (float(value) for value in compiled.geom_size[shape])
     kind = compiled.geom_type[shape]
     if kind == Shape.SPHERE:
         return a, a, a
@@ -91,10 +91,10 @@ def _semiaxes(compiled: Any, shape: int) -> Vec3:
 
 def _coefficients(compiled: Any, shape: int) -> dict[str, Any]:
     """Return the coefficients of drag, lift and added mass of a shape."""
-    _, *given = (float(one) for one in compiled.geom_fluid[shape])
+    _, *given = (float(value) for value in compiled.geom_fluid[shape])
     names = "blunt_drag", "slender_drag", "angular_drag", "kutta_lift", "magnus_lift"
     density = float(compiled.opt.density)
-    virtual = [density * one for one in given[len(names) :]]
+    virtual = [density * value for value in given[len(names) :]]
     return dict(zip(names, given, strict=False)) | {"added_mass": virtual[:3], "added_inertia": virtual[3:]}
 
 

@@ -40,16 +40,16 @@ def closing_parts(compiled: Any, robot: Robot) -> Iterator[tuple[Joint | Force, 
 
 def mimics_of(compiled: Any) -> dict[str, Mimic]:
     """Return the joints that follow another, by a polynomial, or are held at a value."""
-    names, found = joint_names(compiled), {}
+    names, mimics = joint_names(compiled), {}
     for k in active_equalities(compiled):
         if _is(compiled, k, JOINT) and is_supported(compiled, k):
             offset, multiplier, *higher = (float(x) for x in compiled.eq_data[k, :5])
             leader, follower = int(compiled.eq_obj2id[k]), int(compiled.eq_obj1id[k])
             alone = leader < 0  # it is held at a value
-            found[names[follower]] = (
+            mimics[names[follower]] = (
                 Mimic("", 0.0, offset) if alone else Mimic(names[leader], multiplier, offset, higher)
             )
-    return found
+    return mimics
 
 
 def equalities_of(compiled: Any) -> dict[str, TendonEquality]:
@@ -77,8 +77,8 @@ def is_supported(compiled: Any, k: int) -> bool:
     if not _is(compiled, k, TENDON):
         return int(compiled.eq_type[k]) <= JOINT
     first, second = int(compiled.eq_obj1id[k]), int(compiled.eq_obj2id[k])
-    ends = [one for one in (first, second) if one >= 0]
-    paths = [tendons.path_of(compiled, one) for one in ends]
+    ends = [tendon for tendon in (first, second) if tendon >= 0]
+    paths = [tendons.path_of(compiled, tendon) for tendon in ends]
     if any(path.points for path in paths):
         return (
             len(paths) == 1 and len(paths[0].points) == 2 and not paths[0].around and paths[0].factors[0] == 1
@@ -143,5 +143,5 @@ def _is(compiled: Any, k: int, kind: int) -> bool:
 
 
 def _name(compiled: Any, k: int) -> str:
-    given = mujoco().mj_id2name(compiled, mujoco().mjtObj.mjOBJ_EQUALITY, k)
-    return given or f"{['connect', 'weld', 'joint', 'tendon'][min(int(compiled.eq_type[k]), TENDON)]}{k}"
+    name = mujoco().mj_id2name(compiled, mujoco().mjtObj.mjOBJ_EQUALITY, k)
+    return name or f"{['connect', 'weld', 'joint', 'tendon'][min(int(compiled.eq_type[k]), TENDON)]}{k}"

@@ -18,16 +18,16 @@ from .compiled import Object, mujoco, name_of
 
 def sensors_of(compiled: Any) -> dict[str, Sensor]:
     """Return the supported sensors by name."""
-    found = {name_of(compiled, "sensor", k): _sensor(compiled, k) for k in range(compiled.nsensor)}
-    return {name: sensor for name, sensor in found.items() if sensor is not None}
+    sensors = {name_of(compiled, "sensor", k): _sensor(compiled, k) for k in range(compiled.nsensor)}
+    return {name: sensor for name, sensor in sensors.items() if sensor is not None}
 
 
 def unused(compiled: Any, supported: Collection[str]) -> tuple[int, int]:
     """Return how many of the supported sensors have noise, and how many a delay or an interval between values."""
-    found = [k for k in range(compiled.nsensor) if name_of(compiled, "sensor", k) in supported]
+    used = [k for k in range(compiled.nsensor) if name_of(compiled, "sensor", k) in supported]
     arrays = [getattr(compiled, f"sensor_{word}", None) for word in ("delay", "interval")]
-    delayed = sum(any(one is not None and np.any(one[k]) for one in arrays) for k in found)
-    return int(np.count_nonzero(compiled.sensor_noise[found])), delayed
+    delayed = sum(any(array is not None and np.any(array[k]) for array in arrays) for k in used)
+    return int(np.count_nonzero(compiled.sensor_noise[used])), delayed
 
 
 def _sensor(compiled: Any, k: int) -> Sensor | None:
@@ -39,12 +39,12 @@ def _sensor(compiled: Any, k: int) -> Sensor | None:
         start = float(compiled.qpos0[compiled.jnt_qposadr[place]])
         one_number = compiled.jnt_type[place] > BALL
         return Sensor(kind, joint=name_of(compiled, "joint", place), start=start) if one_number else None
-    found = _frame(compiled, what, place)
+    frame = _frame(compiled, what, place)
     if kind == TOUCH:
         shape = mujoco().mjtGeom(int(compiled.site_type[place])).name.removeprefix("mjGEOM_").lower()
         there = zone(shape, compiled.site_size[place])
-        return found and Sensor(kind, link=found[0], point=found[1].r, axes=found[1].A, zone=there)
-    return Sensor(kind, link=found[0], point=found[1].r, axes=found[1].A) if found else None
+        return frame and Sensor(kind, link=frame[0], point=frame[1].r, axes=frame[1].A, zone=there)
+    return Sensor(kind, link=frame[0], point=frame[1].r, axes=frame[1].A) if frame else None
 
 
 def _frame(compiled: Any, what: int, place: int) -> tuple[str, Pose] | None:

@@ -125,8 +125,8 @@ def _named(description: Description, options: ImportOptions) -> set[str]:
     followed = description.mimics if options.mimic == "couple" else {}
     acted = {motion for actuator in description.actuators.values() for motion in actuator.motions()}
     paths = [tendon.path for tendon in description.tendons.values()]
-    for one in description.equalities.values():
-        paths += [one.path, *([one.other] if one.other else [])]
+    for equality in description.equalities.values():
+        paths += [equality.path, *([equality.other] if equality.other else [])]
     acted |= {motion for path in paths for motion in path.joints}
     return {
         *description.dynamics,
@@ -168,33 +168,33 @@ def _robot(
     hinges |= {edge.name: _closing(description, edge, closing[edge.name], links) for edge in loops}
     joined, joints = replace(merged, edges=[*merged.edges, *loops]), joints | closing
     coordinates = Coordinates(joined.edges, joints, links, values)
-    held = [part_on_bodies(one) for one in _joints(description, joined, hinges)]
+    held = [part_on_bodies(part) for part in _joints(description, joined, hinges)]
     if options.mimic == "couple":
         held += couplers(description, coordinates, {*names.values(), *joints.values()})
-    held += tendon_constraints(description, coordinates, {*names.values(), *(one.name for one in held)})
-    left = {motion.name for branch in branches for motion in branch.motions}
-    taken = {*names.values(), *(one.name for one in held)}
+    held += tendon_constraints(description, coordinates, {*names.values(), *(part.name for part in held)})
+    moving = {motion.name for branch in branches for motion in branch.motions}
+    taken = {*names.values(), *(part.name for part in held)}
     drawn = options.meshes == "draw"
-    acting = forces(description, joined, hinges, coordinates, options.controls, taken)
+    loads = forces(description, joined, hinges, coordinates, options.controls, taken)
     sensors = resolved(description, coordinates)
-    called = legal(sensors, {*taken, *(one.name for one in acting)}, "_sensor")
+    called = legal(sensors, {*taken, *(part.name for part in loads)}, "_sensor")
     return Robot(
         description.name,
         bodies,
         tuple(held),
-        acting,
+        loads,
         gravity=description.gravity,
         origin=_origin(description, merged, names, joints),
         branches=branches,
         links=links,
-        limits={name: limit for name, limit in description.limits.items() if name in left},
-        mimics={name: mimic for name, mimic in description.mimics.items() if name in left},
+        limits={name: limit for name, limit in description.limits.items() if name in moving},
+        mimics={name: mimic for name, mimic in description.mimics.items() if name in moving},
         visuals=tuple(v for v in description.visuals if drawn or v.shape != "mesh"),
         sensors={called[name]: sensor for name, sensor in sensors.items()},
         search=tuple(str(folder) for folder in options.search),
         notes=(
             *description.notes,
-            *_outside(description.limits, left, values),
+            *_outside(description.limits, moving, values),
             *unresolved(description, sensors),
         ),
     )
@@ -203,9 +203,9 @@ def _robot(
 def _joints(description: Description, merged: Merger, hinges: Mapping[str, Hinge]) -> Iterator[Joint]:
     for edge in merged.edges:
         with located(description, edge):
-            made = joint(hinges[edge.name], edge.motions)
-            if made is not None:
-                yield made
+            part = joint(hinges[edge.name], edge.motions)
+            if part is not None:
+                yield part
 
 
 def _outside(limits: Mapping[str, Limit], left: set[str], values: Mapping[str, Array]) -> Iterator[str]:
@@ -255,41 +255,41 @@ def tendon_constraints(
 ) -> Iterator[Joint]:
     """Yield a constraint for each equality of a tendon that can move."""
     names = legal(description.equalities, taken, "_equality")
-    for name, given in description.equalities.items():
+    for name, equality in description.equalities.items():
         with restated(part=f"equality {quote(name)}"):
-            yield from _constraint(names[name], given, coordinates)
+            yield from _constraint(names[name], equality, coordinates)
 
 
-def _constraint(name: str, given: TendonEquality, coordinates: Coordinates) -> Iterator[Joint]:
-    laid = coordinates.lay(given.path, REMEDY)
-    if laid is None:
+def _constraint(name: str, equality: TendonEquality, coordinates: Coordinates) -> Iterator[Joint]:
+    route = coordinates.lay(equality.path, REMEDY)
+    if route is None:
         return
-    if given.path.points:
-        i, j = laid.fields["points"]
-        yield Distance(name, point_i=i, point_j=j, length=given.start + given.factors[0])
+    if equality.path.points:
+        i, j = route.fields["points"]
+        yield Distance(name, point_i=i, point_j=j, length=equality.start + equality.factors[0])
         return
-    parameters = {f"a{n}": a for n, a in enumerate(given.factors) if a}
-    other = _sum(given.other, coordinates) if given.other else "0"
+    parameters = {f"a{n}": a for n, a in enumerate(equality.factors) if a}
+    other = _sum(equality.other, coordinates) if equality.other else "0"
     powers = (word if word == "a0" else f"{word}*({other})^{word[1:]}" for word in parameters)
-    (first, factor), *rest = laid.fields["joints"].items()
+    (first, factor), *rest = route.fields["joints"].items()
     value = " + ".join(powers) or "0"
     value = "".join(
-        [value, *(f" - ({c!r})*{Name(one)}" for one, c in rest), f" - ({_fixed(given.path, laid)!r})"]
+        [value, *(f" - ({c!r})*{Name(one)}" for one, c in rest), f" - ({_fixed(equality.path, route)!r})"]
     )
     yield FormulaCoupler(name, first, value=f"({value})/({factor!r})", parameters=parameters)
 
 
 def _sum(path: Path, coordinates: Coordinates) -> str:
-    laid = coordinates.lay(path, REMEDY)
-    if laid is None:
+    route = coordinates.lay(path, REMEDY)
+    if route is None:
         return "0"
-    terms = (f"({factor!r})*{Name(name)}" for name, factor in laid.fields["joints"].items())
-    return f"{' + '.join(terms)} + ({_fixed(path, laid)!r})"
+    terms = (f"({factor!r})*{Name(name)}" for name, factor in route.fields["joints"].items())
+    return f"{' + '.join(terms)} + ({_fixed(path, route)!r})"
 
 
-def _fixed(path: Path, laid: Route) -> float:
+def _fixed(path: Path, route: Route) -> float:
     """What joints that do not move add to the sum."""
-    return laid.start - path.start
+    return route.start - path.start
 
 
 def forces(
@@ -349,38 +349,38 @@ def located(description: Description, edge: Edge, name: str = "") -> AbstractCon
     return restated(part=f"joint {quote(name or edge.name)}", where=description.where(edge.line))
 
 
-def stop_of(hinge: Hinge, motion: Turn | Slide, given: Stop) -> Force:
+def stop_of(hinge: Hinge, motion: Turn | Slide, law: Stop) -> Force:
     """Return the stop of a motion, named after it."""
     turn = isinstance(motion, Turn)
     kind: Any = AngleStop if turn else DisplacementStop
     i, j = hinge.frames(motion.point if isinstance(motion, Turn) else np.zeros(3), motion.axis)
-    stop: Force = kind(f"{motion.name}_stop", frame_i=i, frame_j=j, rounding=ROUNDING, **given._asdict())
+    stop: Force = kind(f"{motion.name}_stop", frame_i=i, frame_j=j, rounding=ROUNDING, **law._asdict())
     return stop
 
 
-def tendon_force(name: str, given: TendonForces, coordinates: Coordinates) -> Force | None:
+def tendon_force(name: str, tendon: TendonForces, coordinates: Coordinates) -> Force | None:
     """Return the force of a tendon, None if its length is constant."""
-    laid = coordinates.lay(given.path, TENDONS_REMEDY)
-    if laid is None:
+    route = coordinates.lay(tendon.path, TENDONS_REMEDY)
+    if route is None:
         return None
-    terms = [word for word in TERMS if getattr(given, word)]
-    parameters = {one: getattr(given, one) for word in terms for one in (word, *NAMES.get(word, ()))}
-    parameters |= {one: parameters[one] - laid.start for one in LENGTHS if one in parameters}
+    terms = [word for word in TERMS if getattr(tendon, word)]
+    parameters = {field: getattr(tendon, field) for word in terms for field in (word, *NAMES.get(word, ()))}
+    parameters |= {field: parameters[field] - route.start for field in LENGTHS if field in parameters}
     if "friction" in terms:
         parameters["creep"] = CREEP
     value = " ".join(TERMS[word] for word in terms)
-    if given.shortest == given.longest:
+    if tendon.shortest == tendon.longest:
         value = value.replace(STRETCH, OF_ONE_LENGTH)
         parameters.pop("shortest", None)
-    return Tendon(name, **laid.fields, value=value or None, parameters=parameters, inertia=given.inertia)
+    return Tendon(name, **route.fields, value=value or None, parameters=parameters, inertia=tendon.inertia)
 
 
 def followers(description: Description, values: Mapping[str, Array]) -> dict[str, Array]:
     """Return where the following joints start, unless a value is given for them."""
-    found = dict(values)
+    starts = dict(values)
     for name in description.mimics:
-        _follow(name, description.mimics, found)
-    return found
+        _follow(name, description.mimics, starts)
+    return starts
 
 
 def standing(mimics: Mapping[str, Mimic], locked: set[str]) -> set[str]:
@@ -401,10 +401,10 @@ def couplers(description: Description, coordinates: Coordinates, taken: set[str]
     """
     moving = {name: mimic for name, mimic in description.mimics.items() if name in coordinates.edges}
     names = legal([f"{name}_mimic" for name in moving], taken, "_coupler")
-    for (name, mimic), made in zip(moving.items(), names.values(), strict=True):
+    for (name, mimic), coupler in zip(moving.items(), names.values(), strict=True):
         with located(description, coordinates.edges[name], name):
             leader, follower = (coordinates.find(motion, MIMICS_REMEDY) for motion in (mimic.joint, name))
-        yield _coupler(made, leader, follower, mimic)
+        yield _coupler(coupler, leader, follower, mimic)
 
 
 def _coupler(name: str, leader: CoordinateMatch, follower: CoordinateMatch, mimic: Mimic) -> Joint:
@@ -417,14 +417,14 @@ def _coupler(name: str, leader: CoordinateMatch, follower: CoordinateMatch, mimi
     return FormulaCoupler(name, follower.name, value=" + ".join(powers), parameters=parameters)
 
 
-def _follow(name: str, mimics: Mapping[str, Mimic], found: dict[str, Array]) -> Array:
-    if name not in found:
-        found[name] = np.zeros(1)
+def _follow(name: str, mimics: Mapping[str, Mimic], starts: dict[str, Array]) -> Array:
+    if name not in starts:
+        starts[name] = np.zeros(1)
         if name in mimics:
             leader, multiplier, offset, higher = mimics[name]
-            value, factors = _follow(leader, mimics, found), (offset, multiplier, *higher)
-            found[name] = sum((a * value**n for n, a in enumerate(factors)), np.zeros(1))
-    return found[name]
+            value, factors = _follow(leader, mimics, starts), (offset, multiplier, *higher)
+            starts[name] = sum((a * value**n for n, a in enumerate(factors)), np.zeros(1))
+    return starts[name]
 
 
 def chained(merged: Merger, named: Collection[str]) -> Merger:

@@ -26,10 +26,10 @@ BETWEEN, TOUCH = ("force", "torque"), "touch"  # kinds of sensors
 
 def beyond(description: Description, link: str) -> frozenset[str]:
     """Return a link and all that hangs on it."""
-    found = {link}
+    links = {link}
     for edge in description.edges:  # each after that of its parent
-        found |= {edge.child} if edge.parent in found else set()
-    return frozenset(found)
+        links |= {edge.child} if edge.parent in links else set()
+    return frozenset(links)
 
 
 def masses_of(
@@ -40,61 +40,61 @@ def masses_of(
     for name, link in carried.items():
         if name in description.links and description.links[name].inertial is not None:
             on.setdefault(link.body.name, []).append(name)
-    found = []
+    masses = []
     for body, every in on.items():
         some = [name for name in every if name in links]
         parts = [_inertial(description, name).seen_from(carried[name].place) for name in some]
         if some:
-            found.append((body, None if len(some) == len(every) else combined(parts)))
-    return tuple(found)
+            masses.append((body, None if len(some) == len(every) else combined(parts)))
+    return tuple(masses)
 
 
 def acted(sensor: Sensor, ends: Mapping[str, Ends]) -> Sensor:
     """Return a sensor with the contacts and loops that act on its links, and the end on which each does."""
-    found = []
+    acting = []
     for part, links in ends.items():
         inside = [link in sensor.links for link in links]
         if inside[0] != inside[1]:
-            found.append((part, "_i" if inside[0] else ""))
-    return sensor._replace(acting=tuple(found))
+            acting.append((part, "_i" if inside[0] else ""))
+    return sensor._replace(acting=tuple(acting))
 
 
-def interaction(o: Any, own: Sensor) -> tuple[Array, Array]:
+def interaction(o: Any, sensor: Sensor) -> tuple[Array, Array]:
     """Return the force on a link and the torque about the sensor, in the axes of the sensor."""
-    at, gravity = o.position(own.link, own.point), np.array(o.system.model.gravity)
+    at, gravity = o.position(sensor.link, sensor.point), np.array(o.system.model.gravity)
     force, torque = np.zeros(3), np.zeros(3)
-    for body, inertial in own.masses:
+    for body, inertial in sensor.masses:
         mass, center, J = inertial or _of_element(o, body)
         axes, spin = A(o.vector("q", body)[3:]), o.angular_velocity_body(body)
         change = mass * (o.acceleration(body, center) - gravity)
         turning = J @ o.angular_acceleration_body(body) + np.cross(spin, J @ spin)
         force = force + change
         torque = torque + axes @ turning + np.cross(o.position(body, center) - at, change)
-    for part, side in own.acting:
+    for part, side in sensor.acting:
         load, moment, point = _load(o, part, side)
         force, torque = force - load, torque - moment - np.cross(point - at, load)
-    axes = A(o.vector("q", own.link)[3:]) @ own.axes
+    axes = A(o.vector("q", sensor.link)[3:]) @ sensor.axes
     return force @ axes, torque @ axes
 
 
-def touch(o: Any, own: Sensor) -> Any:
+def touch(o: Any, sensor: Sensor) -> Any:
     """Return the sum of normal forces of contacts from which the outward normal meets the zone."""
-    found: Any = o.constant(0.0)
-    center, axes = o.position(own.link, own.point), A(o.vector("q", own.link)[3:]) @ own.axes
-    for part, side in own.acting:
+    total: Any = o.constant(0.0)
+    center, axes = o.position(sensor.link, sensor.point), A(o.vector("q", sensor.link)[3:]) @ sensor.axes
+    for part, side in sensor.acting:
         p, k = _element(o, part, SphereContact)
         contact, x = o.element(p, k, "b"), o.local(p, k, "q")
         normal = rotate(x.p_j, contact.n_j)
         place = x.r_i + rotate(x.p_i, contact.s_i) - (contact.radius - contact.depth(x) / 2) * normal
-        start, ray = (one @ axes for one in (place - center, normal * (-1 if side else 1)))
-        found = found + o.constant(is_met(own.zone, start, ray) * 1.0) * o(f"{part}.normal_force")
-    return found
+        start, ray = (vector @ axes for vector in (place - center, normal * (-1 if side else 1)))
+        total = total + o.constant(is_met(sensor.zone, start, ray) * 1.0) * o(f"{part}.normal_force")
+    return total
 
 
 def _inertial(description: Description, link: str) -> Inertia:
-    found = description.links[link].inertial
-    assert found is not None
-    return found
+    inertial = description.links[link].inertial
+    assert inertial is not None
+    return inertial
 
 
 def _of_element(o: Any, body: str) -> Inertia:

@@ -60,10 +60,10 @@ class ImportOptions:
     def check(self, actuators: Iterable[str]) -> None:
         """Raise a ModelError for a word that is no choice, or that ``ignore`` or ``controls`` cannot have."""
         for name, right in CHOICES.items():
-            given = getattr(self, name)
-            if given not in right:
+            choice = getattr(self, name)
+            if choice not in right:
                 message = (
-                    f"{name} must be one of {', '.join(right)}, but is {show(given)}. Choose another one."
+                    f"{name} must be one of {', '.join(right)}, but is {show(choice)}. Choose another one."
                 )
                 raise ModelError(message, part="import", field=name)
         for folder in self.search:

@@ -40,7 +40,7 @@ def zone(shape: str, sizes: Sequence[float]) -> Zone:
 
 def is_met(zone: Zone, start: Any, ray: Any) -> Any:
     """Return whether a half-line from a point in a direction meets a zone, all in the axes of the zone."""
-    found: Any = False
+    met: Any = False
     for solid in zone:
         first: Any = 0.0
         last: Any = np.inf
@@ -54,5 +54,5 @@ def is_met(zone: Zone, start: Any, ray: Any) -> Any:
             root = np.sqrt(np.maximum(b * b - a * c, 0.0))
             first = np.where(b * b < a * c, np.inf, np.maximum(first, (-b - root) / a))
             last = np.minimum(last, (-b + root) / a)
-        found = found | (first <= last)
-    return found
+        met = met | (first <= last)
+    return met

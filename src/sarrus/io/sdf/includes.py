@@ -84,7 +84,7 @@ def _model_file(place: Path) -> Path | None:
     if place.is_file():
         return place
     config = place / "model.config"
-    names = [one.text for one in read_xml(config).all("sdf")] if config.is_file() else []
+    names = [element.text for element in read_xml(config).all("sdf")] if config.is_file() else []
     return next((place / name for name in (*reversed(names), "model.sdf") if (place / name).is_file()), None)
 
 
@@ -98,12 +98,12 @@ def _model(file: Path) -> Element:
 
 def _named(model: Element, include: Element, reader: Reader) -> Element:
     """Return the model with the name, pose and placement of the include."""
-    given = {tag: reader.one(include, tag) for tag in ("name", "pose", "static", "placement_frame")}
+    children = {tag: reader.one(include, tag) for tag in ("name", "pose", "static", "placement_frame")}
     attributes = dict(model.attributes)
     for tag, attribute in (("name", "name"), ("placement_frame", "placement_frame")):
-        if (one := given[tag]) is not None:
+        if (one := children[tag]) is not None:
             attributes[attribute] = one.text
-    new = [one for tag in ("pose", "static") if (one := given[tag]) is not None]
+    new = [one for tag in ("pose", "static") if (one := children[tag]) is not None]
     tags = {one.tag for one in new}
     rest = [child for child in model.children if child.tag not in tags]
     return replace(model, attributes=attributes, children=[*new, *rest, *include.all("plugin")])
@@ -127,7 +127,7 @@ def _merged(model: Element) -> Iterator[Element]:
 def _within(part: Element, frame: str) -> Element:
     """Return a part with its pose in a frame, unless it names another one."""
     poses = [*part.all("pose")] or [Element("pose", {}, part.line, pieces=["0 0 0 0 0 0"], file=part.file)]
-    moved = [replace(one, attributes={"relative_to": frame, **one.attributes}) for one in poses]
+    moved = [replace(pose, attributes={"relative_to": frame, **pose.attributes}) for pose in poses]
     return replace(part, children=[*moved, *(child for child in part.children if child.tag != "pose")])
 
 

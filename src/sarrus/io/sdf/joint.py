@@ -92,8 +92,8 @@ def _values(part: Part, kind: str, motions: Sequence[Motion]) -> tuple[dict[str,
         given, limit = (part.reader.one(element, one) for one in ("dynamics", "limit"))
         if given is not None:
             words = ("spring_stiffness", "spring_reference", "damping", "friction")
-            found = Dynamics(*(number(given, word, part.reader, 0.0) for word in words))
-            dynamics |= {name: found} if found._replace(free=0.0) != Dynamics() else {}
+            values = Dynamics(*(number(given, word, part.reader, 0.0) for word in words))
+            dynamics |= {name: values} if values._replace(free=0.0) != Dynamics() else {}
         if limit is not None and kind != "continuous":
             limits[name] = _limit(limit, part)
     return dynamics, limits
@@ -102,7 +102,7 @@ def _values(part: Part, kind: str, motions: Sequence[Motion]) -> tuple[dict[str,
 def _limit(element: Element, part: Part) -> Limit:
     """Return the limits of an axis: without the number there is none, nor with a negative effort or velocity."""
     lower, upper, *most = (maybe(element, word, part.reader) for word in Limit._fields[:4])
-    return Limit(lower, upper, *(one if one is None or one >= 0 else None for one in most))
+    return Limit(lower, upper, *(value if value is None or value >= 0 else None for value in most))
 
 
 def _axis_elements(part: Part) -> Iterator[tuple[str, Element]]:
@@ -114,20 +114,20 @@ def _axis_elements(part: Part) -> Iterator[tuple[str, Element]]:
 
 def mimics_of(part: Part, kind: str, motions: Sequence[Motion]) -> dict[str, Mimic]:
     """Return the motions that follow another: by <mimic>, and the displacement of a screw."""
-    found = {}
+    mimics = {}
     for tag, element in _axis_elements(part):
         for mimic in element.all("mimic"):
             values = ("multiplier", 1.0), ("offset", 0.0), ("reference", 0.0)
             factor, offset, reference = (number(mimic, word, part.reader, one) for word, one in values)
             leader = f"{part.scope}{part.reader.text(mimic, 'joint')}"
             name = motion_name(part.name, tag, kind)
-            found[name] = Mimic(
+            mimics[name] = Mimic(
                 f"{leader}@{mimic.attributes.get('axis', AXES[0])}", factor, offset - factor * reference
             )
     if kind == "screw":
         slide = next(motion.name for motion in motions if isinstance(motion, Slide))
-        found[slide] = Mimic(part.name, _pitch(part) / tau)
-    return found
+        mimics[slide] = Mimic(part.name, _pitch(part) / tau)
+    return mimics
 
 
 def resolved(mimics: Mapping[str, Mimic], joints: Mapping[str, Part]) -> dict[str, Mimic]:

@@ -51,18 +51,18 @@ def read_link(part: Part, name: str) -> Link:
     if mass < 0:
         raise reader.refusal(f"<mass> must not be negative, but is {mass:g}. Give it in kg.", element.line)
     tensor = reader.one(element, "inertia") or Element("inertia", {}, element.line)
-    xx, xy, xz, yy, yz, zz = (number(tensor, tag, reader, one) for tag, one in ENTRIES.items())
+    xx, xy, xz, yy, yz, zz = (number(tensor, tag, reader, default) for tag, default in ENTRIES.items())
     J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     return Link(name, Inertia(mass, np.zeros(3), J).seen_from(pose_of(element, reader)), part.element.line)
 
 
 def _automatic(part: Part, element: Element) -> Inertia:
     """Return the inertial of the collision shapes, whose density is their own, that of the link, or water's."""
-    reader, found = part.reader, list[Inertia]()
-    given = reader.one(element, "mass") or reader.one(element, "inertia")
-    if given is not None:
-        message = f"has <{given.tag}> beside an inertial that is computed. Remove one of them."
-        raise reader.refusal(message, given.line)
+    reader, inertials = part.reader, list[Inertia]()
+    surplus = reader.one(element, "mass") or reader.one(element, "inertia")
+    if surplus is not None:
+        message = f"has <{surplus.tag}> beside an inertial that is computed. Remove one of them."
+        raise reader.refusal(message, surplus.line)
     density = number(element, "density", reader, WATER)
     for collision in part.element.all("collision"):
         own = number(collision, "density", reader, density)
@@ -74,12 +74,12 @@ def _automatic(part: Part, element: Element) -> Inertia:
                 solid = SOLIDS[shape.tag](*_size(shape, part), own)
             tensor = np.asarray(solid.inertia, dtype=float)
             tensor = np.diag(tensor) if tensor.ndim == 1 else tensor
-            found.append(Inertia(solid.mass, np.zeros(3), tensor).seen_from(pose_of(collision, reader)))
-    if not found:
+            inertials.append(Inertia(solid.mass, np.zeros(3), tensor).seen_from(pose_of(collision, reader)))
+    if not inertials:
         raise reader.refusal(
             "has no <collision> to compute its inertial from. Give <mass> and <inertia>.", element.line
         )
-    return combined(found)
+    return combined(inertials)
 
 
 def _size(shape: Element, part: Part) -> list[float]:

@@ -89,7 +89,7 @@ def describe(
         gravity=gravity or _gravity(world),
         limits={short(n): limit for joint in joints for n, limit in joint.limits.items()},
         mimics={short(name): mimic._replace(joint=short(mimic.joint)) for name, mimic in mimics.items()},
-        dynamics={short(n): given for joint in joints for n, given in joint.dynamics.items()},
+        dynamics={short(n): values for joint in joints for n, values in joint.dynamics.items()},
         lifted={
             short(n): 1.0 for n, p in models.links.items() if not flag(p.element, "gravity", p.reader, True)
         },
@@ -138,8 +138,8 @@ def _shortening(world: Element) -> Callable[[str], str]:
 
 def _gravity(world: Element) -> Vec3:
     places = [world, *world.all("physics")]  # in the physics before version 1.5
-    for given in (one for place in places for one in place.all("gravity")):
-        x, y, z = Reader(world.file, "world").content(given, 3)
+    for element in (one for place in places for one in place.all("gravity")):
+        x, y, z = Reader(world.file, "world").content(element, 3)
         return x, y, z
     return GRAVITY
 
@@ -147,13 +147,13 @@ def _gravity(world: Element) -> Vec3:
 def _joints(models: Models, version: int) -> list[Joint]:
     parts = models.joints.values()
     return [
-        read_joint(one, models, version) for one in parts if one.element.attributes.get("type") != GEARBOX
+        read_joint(part, models, version) for part in parts if part.element.attributes.get("type") != GEARBOX
     ]
 
 
 def _gearboxes(models: Models, version: int, edges: Sequence[Edge]) -> dict[str, Mimic]:
-    boxes = [one for one in models.joints.values() if one.element.attributes.get("type") == GEARBOX]
-    return dict(gearbox(one, models, version, edges) for one in boxes)
+    boxes = [part for part in models.joints.values() if part.element.attributes.get("type") == GEARBOX]
+    return dict(gearbox(part, models, version, edges) for part in boxes)
 
 
 def _renamed(edge: Edge, short: Callable[[str], str]) -> Edge:
@@ -200,12 +200,12 @@ def _notes(root: Element, world: Element, models: Models) -> list[str]:
         replace(one, children=[c for c in one.children if c.tag not in ("model", "world", "include")])
         for one in (root, world, *(part.element for part in models.models))
     ]
-    found = left_out(bare if world.attributes else [bare[0], *bare[2:]], USED, NOTED)
+    notes = left_out(bare if world.attributes else [bare[0], *bare[2:]], USED, NOTED)
     kinds = [
         part.element for part in models.joints.values() if part.element.attributes.get("type") in WITHOUT_AXIS
     ]
     n = sum(any(element.all("axis")) for element in kinds)
-    return [*found, *([counted(WITHOUT, n)] if n else [])]
+    return [*notes, *([counted(WITHOUT, n)] if n else [])]
 
 
 def gearbox(part: Part, models: Models, version: int, edges: Sequence[Edge]) -> tuple[str, Mimic]:
@@ -296,8 +296,8 @@ def load_sdf(
     ModelError
         For anything that is wrong or not supported, in one message with file, line, part and remedy.
     """
-    given = None if gravity is None else vector(gravity, "gravity", "Give three numbers in m/s².")
-    description = describe(Path(path), gravity=given, fixed=base == "fixed", ignore=ignore, search=search)
+    g = None if gravity is None else vector(gravity, "gravity", "Give three numbers in m/s².")
+    description = describe(Path(path), gravity=g, fixed=base == "fixed", ignore=ignore, search=search)
     check_floating(base, description.edges)
     given_base = "file" if base == "floating" else base
     options = ImportOptions(

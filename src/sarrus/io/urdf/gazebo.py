@@ -103,6 +103,6 @@ def read_loops(root: Element, edges: Sequence[Edge], start: str) -> list[Joint]:
 def _placed(name: str, pose: Pose, root: Element) -> Element:
     """Return a link of an SDF file."""
     numbers = " ".join(map(repr, map(float, (*pose.r, *pose.p[1:], pose.p[0]))))
-    given = {"relative_to": WORLD, "rotation_format": QUATERNION}
-    place = Element("pose", given, root.line, pieces=[numbers], file=root.file)
+    attributes = {"relative_to": WORLD, "rotation_format": QUATERNION}
+    place = Element("pose", attributes, root.line, pieces=[numbers], file=root.file)
     return Element("link", {"name": name}, root.line, [place], file=root.file)

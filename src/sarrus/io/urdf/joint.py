@@ -124,10 +124,10 @@ def _check_leader(leader: str, leaders: Collection[str], line: int, reader: Read
 
 
 def _check_circle(name: str, mimics: Mapping[str, Mimic], line: int, reader: Reader) -> None:
-    at, steps = name, 0
-    while at in mimics:
-        at, steps = mimics[at].joint, steps + 1
-        if at == name:
+    joint, steps = name, 0
+    while joint in mimics:
+        joint, steps = mimics[joint].joint, steps + 1
+        if joint == name:
             message = f"<mimic> leads from {quote(name)} back to it. Let one of these joints follow none."
             raise reader.refusal(message, line)
         if steps > LONGEST:

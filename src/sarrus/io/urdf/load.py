@@ -139,26 +139,26 @@ def _parents(parts: Mapping[str, Part]) -> set[str]:
     return {end.attributes.get("link", "") for part in parts.values() for end in part.element.all("parent")}
 
 
-def _merged(found: Iterable[Mapping[str, Given]]) -> dict[str, Given]:
-    return {name: given for one in found for name, given in one.items()}
+def _merged(mappings: Iterable[Mapping[str, Given]]) -> dict[str, Given]:
+    return {name: value for mapping in mappings for name, value in mapping.items()}
 
 
 def _given(parts: Mapping[str, Part], read: Callable[[Element, Reader], Given | None]) -> dict[str, Given]:
     """Return what is read of each joint, where it has any."""
-    found = {name: read(part.element, part.reader) for name, part in parts.items()}
-    return {name: given for name, given in found.items() if given}
+    values = {name: read(part.element, part.reader) for name, part in parts.items()}
+    return {name: value for name, value in values.items() if value}
 
 
 def _dynamics(
     parts: Mapping[str, Part], edges: Mapping[str, Edge], springs: Mapping[str, tuple[float, float]]
 ) -> dict[str, Dynamics]:
     """Return the dynamics of each motion that has any."""
-    found: dict[str, Dynamics] = {}
+    dynamics: dict[str, Dynamics] = {}
     for name, part in parts.items():
-        given = dynamics_of(part.element, part.reader, *springs.get(name, (0.0, 0.0)))
-        if given != Dynamics():
-            found |= {motion.name: given for motion in edges[name].motions}
-    return found
+        values = dynamics_of(part.element, part.reader, *springs.get(name, (0.0, 0.0)))
+        if values != Dynamics():
+            dynamics |= {motion.name: values for motion in edges[name].motions}
+    return dynamics
 
 
 def _notes(root: Element) -> list[str]:
@@ -207,8 +207,8 @@ def _driven(element: Element) -> list[str]:
 
 
 def _reduction(element: Element, actuator: Element, reader: Reader) -> float:
-    given = [*actuator.all("mechanicalReduction"), *element.all("mechanicalReduction")]
-    return reader.content(given[0])[0] if given else 1.0
+    reductions = [*actuator.all("mechanicalReduction"), *element.all("mechanicalReduction")]
+    return reader.content(reductions[0])[0] if reductions else 1.0
 
 
 def root_of(edges: Mapping[str, Edge], links: Mapping[str, Link], file: str) -> str:

@@ -170,10 +170,10 @@ class _FramePairs:
         return list(zip(first, second, strict=True))
 
     def _list(self, key: str) -> Sequence[Any]:
-        found = self.document.data.get(key) or ()
-        if not isinstance(found, Sequence) or isinstance(found, str):
-            raise self._refusal(key, f"must be a list, got {show(found)}. Give a list.")
-        return found
+        values = self.document.data.get(key) or ()
+        if not isinstance(values, Sequence) or isinstance(values, str):
+            raise self._refusal(key, f"must be a list, got {show(values)}. Give a list.")
+        return values
 
     def _known(self, key: str, name: Any, right: Mapping[str, Any] | Sequence[str]) -> str:
         if not isinstance(name, str) or name not in right:

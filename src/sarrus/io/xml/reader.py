@@ -39,25 +39,25 @@ class Reader:
 
     def check(self, element: Element, attributes: Sequence[str], children: Sequence[str] = ()) -> None:
         """Refuse what looks like a misspelt attribute or child; `left_out` notes what is really unknown."""
-        for given in element.attributes:
-            self._spelling(f"<{element.tag}> has no attribute", given, attributes, element.line)
+        for attribute in element.attributes:
+            self._spelling(f"<{element.tag}> has no attribute", attribute, attributes, element.line)
         for child in element.children:
             self._spelling(f"<{element.tag}> has no element", child.tag, children, child.line)
 
     def one(self, element: Element, tag: str) -> Element | None:
         """Return the only child with a tag, or None."""
-        found = list(element.all(tag))
-        if len(found) > 1:
-            message = f"has <{tag}> twice, the first time on line {found[0].line}. Remove one of them."
-            raise self.refusal(message, found[1].line)
-        return found[0] if found else None
+        children = list(element.all(tag))
+        if len(children) > 1:
+            message = f"has <{tag}> twice, the first time on line {children[0].line}. Remove one of them."
+            raise self.refusal(message, children[1].line)
+        return children[0] if children else None
 
     def needed(self, element: Element, tag: str, example: str) -> Element:
         """Return the only child with a tag; it must be there."""
-        found = self.one(element, tag)
-        if found is None:
+        child = self.one(element, tag)
+        if child is None:
             raise self.refusal(f"<{element.tag}> has no <{tag}>. Add it, as in {example}.", element.line)
-        return found
+        return child
 
     def text(self, element: Element, attribute: str) -> str:
         """Return an attribute that must be there and not be empty."""
@@ -108,12 +108,12 @@ class Reader:
 
     def direction(self, element: Element | None, default: Sequence[float]) -> Array:
         """Return the unit vector of the attribute xyz."""
-        given = self.vector(element, "xyz", default)
+        vector = self.vector(element, "xyz", default)
         if element is None:
-            return given
+            return vector
         self.check(element, ("xyz",))
         with self.placed(element.line):
-            return direction(given, f"<{element.tag}> xyz")
+            return direction(vector, f"<{element.tag}> xyz")
 
     def _numbers(self, line: int, label: str, text: str, count: int) -> list[float]:
         words = text.split()
@@ -132,9 +132,9 @@ class Reader:
         with self.placed(line):
             return number(value, label)
 
-    def _spelling(self, message: str, given: str, known: Sequence[str], line: int) -> None:
-        if given not in known and get_close_matches(given, known, n=1, cutoff=0.75):
-            raise self.refusal(f"{message} {quote(given)}. {suggest(given, known)}", line)
+    def _spelling(self, message: str, word: str, known: Sequence[str], line: int) -> None:
+        if word not in known and get_close_matches(word, known, n=1, cutoff=0.75):
+            raise self.refusal(f"{message} {quote(word)}. {suggest(word, known)}", line)
 
 
 def read_shapes(
@@ -170,12 +170,12 @@ class Part(NamedTuple):
 
 def named(root: Element, tag: str, reader: Reader) -> dict[str, Part]:
     """Return the children with a tag by their names, which must be different."""
-    found: dict[str, Part] = {}
+    parts: dict[str, Part] = {}
     for element in root.all(tag):
         name = Reader(reader.file, tag).text(element, "name")
-        if name in found:
-            first = found[name].element.line
+        if name in parts:
+            first = parts[name].element.line
             message = f"the {tag} {quote(name)} is there twice, the first time on line {first}"
             raise reader.refusal(f"{message}. Rename one of them.", element.line)
-        found[name] = Part(element, Reader(reader.file, f"{tag} {quote(name)}"))
-    return found
+        parts[name] = Part(element, Reader(reader.file, f"{tag} {quote(name)}"))
+    return parts

@@ -235,13 +235,13 @@ def _kinds(states: Sequence[StateValue], inputs: Mapping[str, Input]) -> dict[st
 
 def _states(model: Model, findings: Findings) -> list[StateValue]:
     """The first-order states of all parts."""
-    found: list[StateValue] = []
+    states: list[StateValue] = []
     for force in model.forces:
         with findings.about("forces", force.name):
             own = list(force.states())
             refuse_reserved(own)
-            found += own
-    return found
+            states += own
+    return states
 
 
 def refuse_reserved(states: Sequence[StateValue]) -> None:

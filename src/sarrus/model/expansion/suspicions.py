@@ -85,16 +85,16 @@ class Suspicions:
     @cached_property
     def reaches(self) -> dict[int, list[Reach]]:
         """The points of joints, drivers and forces on each body, by number."""
-        found: dict[int, list[Reach]] = {number: [] for number in self.properties}
+        points: dict[int, list[Reach]] = {number: [] for number in self.properties}
         for one in self.plan.placed:
             for slot, s in points_of(one):
-                if one.bodies[slot] in found:
+                if one.bodies[slot] in points:
                     center = self.properties[one.bodies[slot]][2]
-                    found[one.bodies[slot]].append(Reach(one.owner, s - center))
+                    points[one.bodies[slot]].append(Reach(one.owner, s - center))
             body = one.bodies[-1] if one.element.nonholonomic else one.bodies[0]  # which rolls, or touches
-            if body in found and "radius" in one.element.fields:
-                found[body].append(Reach(one.owner, np.array([values_of(one)["radius"], 0.0, 0.0])))
-        return found
+            if body in points and "radius" in one.element.fields:
+                points[body].append(Reach(one.owner, np.array([values_of(one)["radius"], 0.0, 0.0])))
+        return points
 
     @cached_property
     def size(self) -> float:
@@ -113,18 +113,18 @@ class Suspicions:
     @cached_property
     def _parts_on(self) -> dict[int, set[str]]:
         """The joints, drivers and forces on each body, by number."""
-        found: dict[int, set[str]] = {number: set() for number in self.properties}
+        parts: dict[int, set[str]] = {number: set() for number in self.properties}
         for one in self.plan.placed:
-            for number in found.keys() & one.bodies:
+            for number in parts.keys() & one.bodies:
                 if one.owner != self.plan.bodies[number - 1]:
-                    found[number].add(one.owner)
-        return found
+                    parts[number].add(one.owner)
+        return parts
 
     @cached_property
     def _named(self) -> dict[str, tuple[int, Any]]:
         """Every part and its place in the model, by name."""
-        every = (one for parts in self.model.sections().values() for one in parts)
-        return {one.name: (place, one) for place, one in enumerate(every)}
+        every = (part for parts in self.model.sections().values() for part in parts)
+        return {part.name: (place, part) for place, part in enumerate(every)}
 
     def _gravity(self) -> Iterator[str]:
         if np.linalg.norm(self.gravity) > KILO:
@@ -201,8 +201,8 @@ class Suspicions:
             )
 
     def _joints_and_forces(self, number: int) -> list[Any]:
-        found = [self._named[name] for name in self._parts_on[number] & self._named.keys()]
-        return [one for _, one in sorted(found, key=itemgetter(0))]
+        places = [self._named[name] for name in self._parts_on[number] & self._named.keys()]
+        return [part for _, part in sorted(places, key=itemgetter(0))]
 
     def _is_along_gravity(self, axis: Any) -> bool:
         return axis is not None and parallel(np.array(vector(axis, "axis")), self.gravity)
@@ -210,12 +210,12 @@ class Suspicions:
     def _driven_twice(self) -> Iterator[str]:
         """Coordinates of joints with two drivers."""
         drivers: dict[str, str] = {}
-        for one in self.model.drivers:
-            joint = getattr(one, "joint", None)
-            if joint in drivers and type(one) is type(self._named[drivers[joint]][1]):
-                yield f"{one.name}: {drivers[joint]} drives {joint}, too. Remove one of the drivers."
+        for driver in self.model.drivers:
+            joint = getattr(driver, "joint", None)
+            if joint in drivers and type(driver) is type(self._named[drivers[joint]][1]):
+                yield f"{driver.name}: {drivers[joint]} drives {joint}, too. Remove one of the drivers."
             elif joint:
-                drivers[joint] = one.name
+                drivers[joint] = driver.name
 
     def _idle_pendulums(self) -> Iterator[str]:
         """Links on one pin alone, whose axis points along them, so that gravity does not move them."""
@@ -268,10 +268,10 @@ def values_of(one: Placement) -> dict[str, Any]:
 
 def points_of(one: Placement) -> Iterator[tuple[int, Array]]:
     """Yield which body of an element a point of it is on, and the point in its axes. (3,) [m]"""
-    given = values_of(one)
+    fields = values_of(one)
     for name, slot in (("s", 0), ("s_i", 0), ("s_j", 1)):
-        if name in given and slot < len(one.bodies):
-            yield slot, np.array(given[name], dtype=float)
+        if name in fields and slot < len(one.bodies):
+            yield slot, np.array(fields[name], dtype=float)
 
 
 def angles_of(model: Model) -> Iterator[tuple[str, str, float]]:
@@ -386,7 +386,7 @@ def _tables(value: Any) -> Iterator[Curve]:
             yield from _tables(one)
 
 
-def _overshoot(what: str, curve: Curve) -> Iterator[str]:
+def _overshoot(table: str, curve: Curve) -> Iterator[str]:
     pairs, y = curve.pairs, [value for _, value in curve.pairs]
     size, worst, text = max(max(y) - min(y), SWING * max(map(abs, y))), SWING, ""
     for (a, before), (b, after) in pairwise(pairs):
@@ -396,5 +396,5 @@ def _overshoot(what: str, curve: Curve) -> Iterator[str]:
                 worst, text = beyond / size, f"is {curve(x):.3g} at {x:.3g}, between {before:g} and {after:g}"
     if text:
         yield (
-            f"{what} {text}. Add points next to its corners, or give a formula with step(x, x0, h0, x1, h1)."
+            f"{table} {text}. Add points next to its corners, or give a formula with step(x, x0, h0, x1, h1)."
         )

@@ -25,8 +25,8 @@ def layout(data: Any = None) -> type[Entry]:
     With the content of a file, only with those that it names, if all of them are known: each takes 3 ms.
     """
     kinds = registered_kinds()
-    found = {name: data.get(name, {}) for name in kinds} if isinstance(data, Mapping) else {}
-    return _layout(*(_kinds(known, found.get(name)) for name, known in kinds.items()))
+    sections = {name: data.get(name, {}) for name in kinds} if isinstance(data, Mapping) else {}
+    return _layout(*(_kinds(known, sections.get(name)) for name, known in kinds.items()))
 
 
 def _kinds(known: Mapping[str, type], section: Any) -> tuple[type, ...]:
@@ -37,8 +37,8 @@ def _kinds(known: Mapping[str, type], section: Any) -> tuple[type, ...]:
 
 
 def _type(entry: Any) -> str | None:
-    found = entry.get("type") if isinstance(entry, Mapping) else None
-    return found if isinstance(found, str) else None
+    kind = entry.get("type") if isinstance(entry, Mapping) else None
+    return kind if isinstance(kind, str) else None
 
 
 @cache

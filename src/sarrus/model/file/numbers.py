@@ -97,9 +97,9 @@ class Numbers:
             if unknown:
                 raise self._unknown_name(unknown, ("t", *known))
             return None
-        found = self.of_outputs(text, "t")
+        formula = self.of_outputs(text, "t")
         self._check_motion(tree.replaced({name: Name(long) for name, long in full.items()}), text, unit, own)
-        return found
+        return formula
 
     def _check_motion(self, tree: Expression, text: str, unit: str, outputs: Iterable[str]) -> None:
         """Refuse a motion in another unit; numbers without units may have any that outputs beside them need."""
@@ -114,11 +114,11 @@ class Numbers:
 
     def _followed(self) -> dict[str, str]:
         """The states and outputs that motions may use most, with their units."""
-        forces = {name: one for name, one in self._section("forces").items() if isinstance(one, dict)}
+        forces = {name: entry for name, entry in self._section("forces").items() if isinstance(entry, dict)}
         return {
-            f"{name}{FOLLOWED[kind]}": str(one.get("unit") or "")
-            for name, one in forces.items()
-            if (kind := str(one.get("type"))) in FOLLOWED
+            f"{name}{FOLLOWED[kind]}": str(entry.get("unit") or "")
+            for name, entry in forces.items()
+            if (kind := str(entry.get("type"))) in FOLLOWED
         }
 
     def of_outputs(self, text: str, *own: str) -> Expression:
@@ -197,16 +197,16 @@ class Numbers:
         else:
             value = _finite(raw, name)
             tree = Number(value)
-        own = powers_of(unit) if unit else (unit_of(tree, self.units) or None)
-        self.trees[name], self.values[name], self.units[name] = tree, value, own
+        powers = powers_of(unit) if unit else (unit_of(tree, self.units) or None)
+        self.trees[name], self.values[name], self.units[name] = tree, value, powers
 
     def _definition(self, name: str, text: str, variables: tuple[str, ...]) -> tuple[Any, str | None]:
         """Return the value of a name in the file, and the unit of its field."""
-        found = [(self._walk(home.entry, home.steps), home) for home in self._homes(name)]
-        for raw, home in found:
+        places = [(self._walk(home.entry, home.steps), home) for home in self._homes(name)]
+        for raw, home in places:
             if isinstance(raw, (int, float, str)) and not isinstance(raw, bool):
                 return raw, self._declared(home)
-        for raw, home in found:
+        for raw, home in places:
             if raw is not None:
                 message = f"uses {quote(name)}, which is {show(raw)} and no number"
                 wrong = Echo if home.section == "parameters" else ModelError

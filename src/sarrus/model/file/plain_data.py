@@ -164,16 +164,16 @@ class _Writer:
         }
         self.findings.raise_first()
         known = (one.alias or name for name, one in layout().model_fields.items())
-        found = {name: self._texts(sections[name], (name,)) for name in known if sections.get(name)}
-        return found
+        texts = {name: self._texts(sections[name], (name,)) for name in known if sections.get(name)}
+        return texts
 
     def _parameters(self) -> dict[str, Any]:
-        formulas, found = self.model.formulas, dict[str, Any]()
+        formulas, parameters = self.model.formulas, dict[str, Any]()
         for name, value in formulas.parameters.items():
             group, _, inner = name.rpartition(".")
-            holder = found.setdefault(group, {}) if group else found
+            holder = parameters.setdefault(group, {}) if group else parameters
             holder[inner] = formulas.definitions.get(name, float(value))
-        return found
+        return parameters
 
     def _points(self) -> dict[str, Any]:
         trees = self.model.formulas.expressions
@@ -183,18 +183,18 @@ class _Writer:
         }
 
     def _part(self, section: str, part: Body | Joint | Driver | Force) -> dict[str, Any]:
-        found: dict[str, Any] = {}
+        entry: dict[str, Any] = {}
         with self.findings.about(section, part.name):
             kind: Any = type(part)
             if isinstance(part, Body):
                 part, kind = self._drawn(part), Body
             else:
-                found["type"] = self._type(section, kind)
+                entry["type"] = self._type(section, kind)
             for slot in slots(kind):
                 value = _slot_value(slot, part)
                 if self._needed((section, part.name, slot.key), slot, value):
-                    found[slot.key] = value
-        return found
+                    entry[slot.key] = value
+        return entry
 
     def _type(self, section: str, kind: type) -> str:
         """Return the type of a joint, driver or force, if files can describe its class."""
@@ -226,11 +226,11 @@ class _Writer:
     def _mentioned(self) -> set[Path]:
         """The keys of parts that have formulas, and those that formulas use."""
         formulas = self.model.formulas
-        found: set[Path] = {path[:3] for path in formulas.expressions}
+        paths: set[Path] = {path[:3] for path in formulas.expressions}
         for name in formulas.definitions:
             part, *steps = name.split(".")
-            found |= {(section, part, steps[0]) for section in self.model.sections() if steps}
-        return found
+            paths |= {(section, part, steps[0]) for section in self.model.sections() if steps}
+        return paths
 
     @cached_property
     def _values(self) -> dict[str, Any]:

@@ -16,9 +16,9 @@ from .text.document import Document
 
 def first_error(error: ValidationError, document: Document) -> ModelError:
     """Return the ModelError for the first finding, with the number of the others."""
-    found = error.errors(include_url=False)
+    errors = error.errors(include_url=False)
     # An echo repeats an error that is reported at its own place; it counts only if nothing else is wrong.
-    findings = [one for one in found if one["type"] != "echo"] or found[:1]
+    findings = [one for one in errors if one["type"] != "echo"] or errors[:1]
     finding: dict[str, Any] = dict(findings[0])
     path = _path(finding, document.data)
     subject = path_text(path[2:] if path and path[0] in KINDS and len(path) > 1 else path)

@@ -61,9 +61,9 @@ class WithParameters:
         """Return a law of this part on the recording of another one."""
         outer = recording.parameters, recording.field
         recording.parameters, recording.field = self.checked_parameters(), field
-        found = recording.law(law, over)
+        value = recording.law(law, over)
         recording.parameters, recording.field = outer
-        return found
+        return value
 
     def depends_on_outputs(self, load: Any, factor: Any) -> bool:
         """Return whether components of a load, or its factor, depend on more than the time."""

@@ -60,21 +60,21 @@ def jumps(result: Recorded, *still: str, by: Sequence[str] = JUMPING) -> bool:
         op, args, value = nodes[n]
         if value[0] not in still if op == "input" else not moved.isdisjoint(args):
             moved.add(n)
-    found = [n for n in order if nodes[n].op in by and nodes[n].args[0] in moved]
-    users: dict[int, list[int]] = {n: [] for n in order if found}
-    for user in order if found else ():
+    jumping = [n for n in order if nodes[n].op in by and nodes[n].args[0] in moved]
+    users: dict[int, list[int]] = {n: [] for n in order if jumping}
+    for user in order if jumping else ():
         for n in set(nodes[user].args):
             users[n].append(user)
-    return not all(_is_continuous(result, n, users) for n in found)
+    return not all(_is_continuous(result, n, users) for n in jumping)
 
 
 def _is_continuous(result: Recorded, jump: int, users: Mapping[int, list[int]]) -> bool:
     """Whether each product that a jump is in, before the result, has a factor that is 0 where it jumps."""
     graph = result.graph
     root = _unscaled(graph, graph.nodes[jump].args[0])
-    found, seen = [jump], {jump}
-    while found:
-        if (n := found.pop()) == result.id or graph.nodes[jump].op == "nearest":
+    waiting, seen = [jump], {jump}
+    while waiting:
+        if (n := waiting.pop()) == result.id or graph.nodes[jump].op == "nearest":
             return False
         for user in users[n]:
             op, args, _ = graph.nodes[user]
@@ -88,7 +88,7 @@ def _is_continuous(result: Recorded, jump: int, users: Mapping[int, list[int]]) 
                 return False
             if user not in seen:
                 seen.add(user)
-                found.append(user)
+                waiting.append(user)
     return True
 
 
@@ -100,7 +100,7 @@ def _unscaled(graph: Graph, n: int) -> int:
     """The node without its sign and constant factors."""
     while True:
         op, args, _ = graph.nodes[n]
-        free = [one for one in args if graph.nodes[one].op != "constant"]
+        free = [arg for arg in args if graph.nodes[arg].op != "constant"]
         if len(free) != 1 or not (op in ("neg", "mul") or (op == "div" and free == [args[0]])):
             return n
         n = free[0]

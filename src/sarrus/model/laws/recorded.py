@@ -103,7 +103,7 @@ class Recording:
         nodes = (self.graph.nodes[n] for n in order)
         return Operations(
             tuple(Node(op, tuple(place[arg] for arg in args), value) for op, args, value in nodes),
-            tuple(place[one.id] for one in results),
+            tuple(place[result.id] for result in results),
         )
 
     def number(self, value: Any, label: str = "") -> Recorded:
@@ -140,23 +140,23 @@ class Recording:
         self.within.append(name)
         outer = self.own, self.parameters
         self.own, self.parameters = {}, {}
-        found = self.variables[name](self)
+        value = self.variables[name](self)
         self.own, self.parameters = outer
         self.within.pop()
-        return found
+        return value
 
     def _formula(self, tree: Expression) -> Recorded:
         refuse_jumps(tree, self.field)
         refuse_undefined(tree, self.field)
-        found: list[Any] = []
+        constants: list[Any] = []
 
         def mark(n: int, constant: Any) -> Any:
-            found.append(constant.number)
+            constants.append(constant.number)
             return Name(f"#{n}")
 
         marked = tree.exchanged(mark)
         env = {name: self.named(name) for name in tree.names()}
-        env |= {f"#{n}": self.number(value) for n, value in enumerate(found)}
+        env |= {f"#{n}": self.number(value) for n, value in enumerate(constants)}
         return self._expression(marked.value(env))
 
     def _table(self, curve: Curve | Formula, over: str | None) -> Recorded:

@@ -135,13 +135,13 @@ def rate_loads(
         Further laws by word, with their units, which are outputs of the part.
     """
     further = outputs or {}
-    own = [signals.states[name] for name in names]
+    states = [signals.states[name] for name in names]
     found = signals.of(recording)
     signals.used.update(dict.fromkeys(names, tuple(recording.signals)))
-    for measure in dict.fromkeys(one.measure for one in own):
-        chosen = [n for n, one in enumerate(own) if one.measure == measure]
-        words = tuple((word, one) for word, (_, one) in further.items())
-        act = Rates(tuple(own[n].component for n in chosen), words)
+    for measure in dict.fromkeys(state.measure for state in states):
+        chosen = [n for n, state in enumerate(states) if state.measure == measure]
+        words = tuple((word, state) for word, (_, state) in further.items())
+        act = Rates(tuple(states[n].component for n in chosen), words)
         laws = [*(rates[n] for n in chosen), *(law for law, _ in further.values())]
         yield load_primitive(Target(measure, act), laws, recording, found, unit)
         further = {}
@@ -168,9 +168,9 @@ def _constraint(
     if any(jumps(rate) for rate in rates):
         message = f"{field} jumps, but {followed}, whose rate must be continuous"
         raise ModelError(f"{message}. Use step(t, t0, 0, t1, 1), or a table.", field=field)
-    own = [signals.states[name] for name in names]
-    act = Constrained(tuple(one.component for one in own))
-    made = load_primitive(Target(own[0].measure, act), list(rates), recording, found)
+    states = [signals.states[name] for name in names]
+    act = Constrained(tuple(one.component for one in states))
+    made = load_primitive(Target(states[0].measure, act), list(rates), recording, found)
     return made._replace(label="rate constraint")
 
 
@@ -286,12 +286,12 @@ def blocks_of(
     """
     every, largest = list(states), max((float(value_of(mass)) for mass in masses), default=0.0)
     mass = float(2.0 ** np.round(np.log2(largest))) if largest > 0 else 1.0
-    found: list[Block] = []
+    blocks: list[Block] = []
     for kind, size in ((False, SLOTS), (True, CLOCK)):
         own = [one for one in every if (one.name in followed) == kind]
         for n in range(0, len(own), size):
-            found.append(Block(f"states {len(found) + 1}", tuple(own[n : n + size]), mass, kind))
-    return tuple(found)
+            blocks.append(Block(f"states {len(blocks) + 1}", tuple(own[n : n + size]), mass, kind))
+    return tuple(blocks)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

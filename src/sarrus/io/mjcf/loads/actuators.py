@@ -269,20 +269,20 @@ def contraction(compiled: Any, k: int) -> Contraction:
     Its ends of ``lengthrange`` are those of ``range`` in optimal lengths, and a negative force is replaced by the scale
     over the acceleration that a unit force causes in the pose of the file, as in MuJoCo.
     """
-    given = compiled.actuator_gainprm[k]
+    gains = compiled.actuator_gainprm[k]
     first, last = (float(x) for x in compiled.actuator_lengthrange[k])
-    low, high = (float(x) for x in given[RANGE])
+    low, high = (float(x) for x in gains[RANGE])
     optimal = (last - first) / (high - low)
-    peak = given[FORCE] if given[FORCE] >= 0 else given[SCALE] / compiled.actuator_acc0[k]
+    peak = gains[FORCE] if gains[FORCE] >= 0 else gains[SCALE] / compiled.actuator_acc0[k]
     return Contraction(
         peak_force=float(peak),
         optimal_length=optimal,
         tendon_length=first - low * optimal,
-        min_length=float(given[SHORTEST]),
-        max_length=float(given[LONGEST]),
-        max_velocity=float(given[SPEED]),
-        passive_force=float(given[MUSCLES_PASSIVE]) if compiled.actuator_biastype[k] else 0.0,
-        eccentric_force=float(given[ECCENTRIC]),
+        min_length=float(gains[SHORTEST]),
+        max_length=float(gains[LONGEST]),
+        max_velocity=float(gains[SPEED]),
+        passive_force=float(gains[MUSCLES_PASSIVE]) if compiled.actuator_biastype[k] else 0.0,
+        eccentric_force=float(gains[ECCENTRIC]),
     )
 
 

@@ -49,7 +49,7 @@ class Pair(NamedTuple):
 
 def contacts_of(compiled: Any, robot: Robot) -> Iterator[tuple[SphereContact, Ends]]:
     """Yield a contact for each sphere, end of a capsule, and corner that a plane may touch, and its links."""
-    bodies, found = names_of(compiled), list[tuple[str, dict[str, Any]]]()
+    bodies, contacts = names_of(compiled), list[tuple[str, dict[str, Any]]]()
     ends = list[Ends]()
     for pair in pairs_of(compiled):
         spots = spots_of(compiled, pair.shape) or []
@@ -67,20 +67,20 @@ def contacts_of(compiled: Any, robot: Robot) -> Iterator[tuple[SphereContact, En
                 "radius": max(touching, 0.0),
                 "plane": plane,
             }
-            found.append((f"{name}_{n}" if len(spots) > 1 else name, law | place))
+            contacts.append((f"{name}_{n}" if len(spots) > 1 else name, law | place))
             ends.append((links[1], links[0]))
-    names = robot.free_names([name for name, _ in _apart(found)], "_force")
-    for name, (_, given), links_of_one in zip(names, _apart(found), ends, strict=True):
-        yield SphereContact(name, **given), links_of_one
+    names = robot.free_names([name for name, _ in _apart(contacts)], "_force")
+    for name, (_, fields), links_of_one in zip(names, _apart(contacts), ends, strict=True):
+        yield SphereContact(name, **fields), links_of_one
 
 
 def _apart(found: list[tuple[str, dict[str, Any]]]) -> list[tuple[str, dict[str, Any]]]:
     """Number the contacts of one shape with several planes."""
     count = dict[str, int]()
     numbered = []
-    for name, given in found:
+    for name, fields in found:
         count[name] = count.get(name, 0) + 1
-        numbered.append((name if count[name] == 1 else f"{name}_plane{count[name]}", given))
+        numbered.append((name if count[name] == 1 else f"{name}_plane{count[name]}", fields))
     return numbered
 
 
@@ -112,8 +112,8 @@ def pairs_of(compiled: Any) -> list[Pair]:
             explicit[tuple(ends)] = _explicit(compiled, n, *ends)
     planes, shapes = np.flatnonzero(types == Shape.PLANE), np.flatnonzero(types != Shape.PLANE)
     both = [(int(i), int(j)) for i, j in product(planes, shapes) if _may_touch(compiled, i, j)]
-    found = [*explicit.values(), *(_mixed(compiled, *ends) for ends in both if ends not in explicit)]
-    return [_overridden(compiled, pair) for pair in found] if enabled(compiled, "OVERRIDE") else found
+    pairs = [*explicit.values(), *(_mixed(compiled, *ends) for ends in both if ends not in explicit)]
+    return [_overridden(compiled, pair) for pair in pairs] if enabled(compiled, "OVERRIDE") else pairs
 
 
 def spots_of(compiled: Any, shape: int) -> list[tuple[Array, float]] | None:
@@ -133,7 +133,7 @@ def _corners(compiled: Any, shape: int, frame: Pose) -> list[tuple[Array, float]
     mesh = int(compiled.geom_dataid[shape])
     first, count = int(compiled.mesh_vertadr[mesh]), int(compiled.mesh_vertnum[mesh])
     points = _hull(np.array(compiled.mesh_vert[first : first + count], dtype=float).tobytes())
-    return [(frame.global_point(one), 0.0) for one in points] if len(points) <= MOST_CORNERS else None
+    return [(frame.global_point(corner), 0.0) for corner in points] if len(points) <= MOST_CORNERS else None
 
 
 @lru_cache(maxsize=16)
@@ -181,7 +181,7 @@ def _mixed(compiled: Any, plane: int, shape: int) -> Pair:
     solref = share @ refs if np.all(refs[:, 0] > 0) else refs.min(axis=0)
     dimension = int(compiled.geom_condim[list(ends)].max())
     friction = compiled.geom_friction[list(ends), 0].max().repeat(2)
-    more = any(_has(compiled, f"geom_{one}", list(ends)) for one in ("adhesion", "surfacevel"))
+    more = any(_has(compiled, f"geom_{word}", list(ends)) for word in ("adhesion", "surfacevel"))
     margin = _margin(compiled.geom_margin[[plane, shape]], compiled.geom_gap[[plane, shape]])
     return Pair(plane, shape, solref, share @ limits, dimension, friction, margin, more)
 
@@ -195,8 +195,8 @@ def _margin(margins: Any, gaps: Any) -> float:
 def _overridden(compiled: Any, pair: Pair) -> Pair:
     """Return a pair with the numbers of the file's option ``override``."""
     opt = compiled.opt
-    given = {"solref": opt.o_solref, "solimp": opt.o_solimp, "friction": opt.o_friction[:2]}
-    return pair._replace(**given, margin=float(opt.o_margin))
+    override = {"solref": opt.o_solref, "solimp": opt.o_solimp, "friction": opt.o_friction[:2]}
+    return pair._replace(**override, margin=float(opt.o_margin))
 
 
 def _law(compiled: Any, pair: Pair) -> dict[str, Any]:

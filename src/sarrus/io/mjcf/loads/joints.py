@@ -23,8 +23,8 @@ def limits_of(compiled: Any) -> dict[str, Limit]:
 def stops_of(compiled: Any) -> dict[str, Stop]:
     """Return the stops of the rotations and slides with a range, relative to the file's pose."""
     names = joint_names(compiled)
-    found = [] if disabled(compiled, "LIMIT") else _limited(compiled)
-    return {names[k]: _stop(compiled, k, names[k]) for k in found}
+    limited = [] if disabled(compiled, "LIMIT") else _limited(compiled)
+    return {names[k]: _stop(compiled, k, names[k]) for k in limited}
 
 
 def balls_with_limit(compiled: Any) -> int:

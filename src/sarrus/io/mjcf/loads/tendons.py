@@ -20,8 +20,8 @@ JOINT, PULLEY, SITE, SPHERE, CYLINDER = range(1, 6)  # mjtWrap
 def tendons_of(compiled: Any, limits: bool) -> dict[str, TendonForces]:
     """Return the supported tendons with forces by name, with their stops if wanted."""
     supported = (k for k in range(compiled.ntendon) if is_supported(compiled, k))
-    found = {tendon_name(compiled, k): _forces(compiled, k, limits) for k in supported}
-    return {name: one for name, one in found.items() if any(one[1:])}
+    forces = {tendon_name(compiled, k): _forces(compiled, k, limits) for k in supported}
+    return {name: tendon for name, tendon in forces.items() if any(tendon[1:])}
 
 
 def tendon_name(compiled: Any, k: int) -> str:
@@ -95,20 +95,20 @@ def _obstacle(compiled: Any, shape: int, side: Any, cylinder: bool) -> Obstacle:
 
 
 def _forces(compiled: Any, k: int, limits: bool) -> TendonForces:
-    path, given = path_of(compiled, k), dict[str, float]()
+    path, fields = path_of(compiled, k), dict[str, float]()
     spring = {} if disabled(compiled, "SPRING") else _polynomial(compiled, k, "stiffness")
     if any(spring.values()):
         shortest, longest = (float(x) for x in compiled.tendon_lengthspring[k])
-        given |= spring | {"shortest": shortest, "longest": longest}
+        fields |= spring | {"shortest": shortest, "longest": longest}
     if not disabled(compiled, "DAMPER"):
-        given |= _polynomial(compiled, k, "damping")
+        fields |= _polynomial(compiled, k, "damping")
     if compiled.tendon_frictionloss[k] and not disabled(compiled, "FRICTIONLOSS"):
-        given["friction"] = float(compiled.tendon_frictionloss[k])
+        fields["friction"] = float(compiled.tendon_frictionloss[k])
     if hasattr(compiled, "tendon_armature"):  # since MuJoCo 3.2
-        given["inertia"] = float(compiled.tendon_armature[k])
+        fields["inertia"] = float(compiled.tendon_armature[k])
     if limits and compiled.tendon_limited[k] and not disabled(compiled, "LIMIT"):
-        given |= _stop(compiled, k)
-    return TendonForces(path, **given)
+        fields |= _stop(compiled, k)
+    return TendonForces(path, **fields)
 
 
 def _polynomial(compiled: Any, k: int, word: str) -> dict[str, float]:

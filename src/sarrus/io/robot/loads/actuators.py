@@ -31,7 +31,7 @@ PARAMETERS = (*TERMS, "time", "lower", "upper", "arrest")  # of formulas of actu
 
 
 def actuator_forces(
-    name: str, given: Actuator, coordinates: Coordinates, control: Input
+    name: str, actuator: Actuator, coordinates: Coordinates, control: Input
 ) -> Iterator[BaseForce]:
     """Yield the force of an actuator and its activation; nothing if what it acts on does not move.
 
@@ -45,12 +45,12 @@ def actuator_forces(
     if not isinstance(control.value, str | int | float):
         message = f"its control must be a number or a formula of t, got {show(control.value)}"
         raise ModelError(f"{message}. Give one of them.", part=f"actuator {quote(name)}", field="controls")
-    u, states = _between(control.name, given.controls), list[BaseForce]()
-    if given.activation is not None:
-        states = [_state(name, given.activation, u)]
+    u, states = _between(control.name, actuator.controls), list[BaseForce]()
+    if actuator.activation is not None:
+        states = [_state(name, actuator.activation, u)]
         u = states[0].name
     with restated(part=f"actuator {quote(name)}"):
-        forces = list(_forces(name, given, coordinates, u))
+        forces = list(_forces(name, actuator, coordinates, u))
     yield from [*states, *forces] if forces else ()
 
 
@@ -62,29 +62,29 @@ def _forces(name: str, given: Actuator, coordinates: Coordinates, u: str) -> Ite
         yield from _muscle(name, given.contraction, given.on, coordinates, u)
     elif isinstance(given.on, str):
         if given.on in coordinates.edges:
-            found = coordinates.find(given.on, REMEDY)
-            kind: Any = Torque if found.rotates else Force
-            value = _value(given, u, found.sign)
-            value = value if found.sign > 0 else f"-({value})"
-            yield kind(name, joint=found.name, value=value, parameters=_parameters(given))
+            coordinate = coordinates.find(given.on, REMEDY)
+            kind: Any = Torque if coordinate.rotates else Force
+            value = _value(given, u, coordinate.sign)
+            value = value if coordinate.sign > 0 else f"-({value})"
+            yield kind(name, joint=coordinate.name, value=value, parameters=_parameters(given))
     else:
-        laid = coordinates.lay(given.on, REMEDY)
-        if laid is not None:
-            start = given.on.start - laid.start
+        route = coordinates.lay(given.on, REMEDY)
+        if route is not None:
+            start = given.on.start - route.start
             given = given._replace(
                 gain=given.gain - given.gain_x * start, offset=given.offset + given.kp * start
             )
-            yield Tendon(name, **laid.fields, value=_value(given, u, 1.0), parameters=_parameters(given))
+            yield Tendon(name, **route.fields, value=_value(given, u, 1.0), parameters=_parameters(given))
 
 
 def _muscle(
     name: str, given: Contraction, path: Path, coordinates: Coordinates, activation: str
 ) -> Iterator[BaseForce]:
     """Yield a muscle along a path, the length of which is longer than x."""
-    laid = coordinates.lay(path, REMEDY)
-    if laid is not None:
-        given = given._replace(tendon_length=given.tendon_length - laid.start)
-        yield Muscle(name, **laid.fields, activation=activation, **given._asdict())
+    route = coordinates.lay(path, REMEDY)
+    if route is not None:
+        given = given._replace(tendon_length=given.tendon_length - route.start)
+        yield Muscle(name, **route.fields, activation=activation, **given._asdict())
 
 
 def _wrench(name: str, given: Actuator, on: Wrench, coordinates: Coordinates, u: str) -> Iterator[BaseForce]:
@@ -93,7 +93,7 @@ def _wrench(name: str, given: Actuator, on: Wrench, coordinates: Coordinates, u:
     if link is None or link.body.name == GROUND:
         return
     turn = link.place.A if on.axes == "body" else np.eye(3)
-    force, torque = (triple(turn @ np.array(one)) for one in (on.force, on.torque))
+    force, torque = (triple(turn @ np.array(vector)) for vector in (on.force, on.torque))
     value = _value(given, u, 1.0)
     options: dict[str, Any] = {"axes": on.axes, "factor": value, "parameters": _parameters(given)}
     if any(force):
@@ -103,29 +103,29 @@ def _wrench(name: str, given: Actuator, on: Wrench, coordinates: Coordinates, u:
         yield Torque(f"{name}{ending}", link.body, torque, **options)
 
 
-def _parameters(given: Actuator) -> dict[str, float]:
+def _parameters(actuator: Actuator) -> dict[str, float]:
     """Return the coefficients of an actuator's terms that are not 0."""
-    return {word: getattr(given, word) for word in TERMS if getattr(given, word)}
+    return {word: getattr(actuator, word) for word in TERMS if getattr(actuator, word)}
 
 
-def _value(given: Actuator, u: str, sign: float) -> str:
+def _value(actuator: Actuator, u: str, sign: float) -> str:
     """Return the formula of a force in terms of a coordinate with this sign."""
     along, against = ("+", "-") if sign > 0 else ("-", "+")
-    text = " ".join(TERMS[word].format(u=u, along=along, against=against) for word in _parameters(given))
-    return _between(text.removeprefix("+ ") or "0", given.forces)
+    text = " ".join(TERMS[word].format(u=u, along=along, against=against) for word in _parameters(actuator))
+    return _between(text.removeprefix("+ ") or "0", actuator.forces)
 
 
-def _state(name: str, given: Activation | MuscleDynamics, u: str) -> StateVariable | MuscleActivation:
+def _state(name: str, activation: Activation | MuscleDynamics, u: str) -> StateVariable | MuscleActivation:
     """Return the activation: that of a muscle, the integral of the control, or a lag, which stops at limits."""
-    if isinstance(given, MuscleDynamics):
-        return MuscleActivation(activation_name(name), input=u, **given._asdict())
-    lag = given.time > 0
+    if isinstance(activation, MuscleDynamics):
+        return MuscleActivation(activation_name(name), input=u, **activation._asdict())
+    lag = activation.time > 0
     rate = f"({u} - x)/time" if lag else u
-    parameters = {"time": given.time} if lag else {}
-    if math.isfinite(given.upper):
-        parameters |= {"lower": given.lower, "upper": given.upper, "arrest": given.arrest}
+    parameters = {"time": activation.time} if lag else {}
+    if math.isfinite(activation.upper):
+        parameters |= {"lower": activation.lower, "upper": activation.upper, "arrest": activation.arrest}
         rate = f"max(min({rate}, (upper - x)/arrest), (lower - x)/arrest)"
-    return StateVariable(activation_name(name), rate=rate, initial=given.start, parameters=parameters)
+    return StateVariable(activation_name(name), rate=rate, initial=activation.start, parameters=parameters)
 
 
 def activation_name(actuator: str) -> str:

@@ -31,7 +31,7 @@ from ..joints import Hinge
 CREEP = 1e-3  # [rad/s, m/s] speed below which what would stick creeps
 
 
-def forces_of(hinge: Hinge, motion: Motion, given: Dynamics) -> Iterator[Force]:
+def forces_of(hinge: Hinge, motion: Motion, dynamics: Dynamics) -> Iterator[Force]:
     """Yield the forces of one motion; they are named after it.
 
     Raises
@@ -40,47 +40,47 @@ def forces_of(hinge: Hinge, motion: Motion, given: Dynamics) -> Iterator[Force]:
         For what a free body cannot have.
     """
     if isinstance(motion, Turn):
-        yield from _about(hinge, motion, given)
+        yield from _about(hinge, motion, dynamics)
     elif isinstance(motion, Slide):
-        yield from _along(hinge, motion, given)
+        yield from _along(hinge, motion, dynamics)
     elif isinstance(motion, Ball):
-        yield from _of_ball(hinge, motion, given)
+        yield from _of_ball(hinge, motion, dynamics)
     else:
-        yield from _of_free(hinge, motion, given)
+        yield from _of_free(hinge, motion, dynamics)
 
 
-def _about(hinge: Hinge, motion: Turn, given: Dynamics) -> Iterator[Force]:
+def _about(hinge: Hinge, motion: Turn, dynamics: Dynamics) -> Iterator[Force]:
     i, j = hinge.frames(motion.point, motion.axis)
-    if given.stiffness or given.damping:
-        k, c = given.stiffness, given.damping
-        yield RSDA(f"{motion.name}_spring", frame_i=i, frame_j=j, k=k, c=c, angle=given.free)
-    if given.friction:
-        load, name = given.friction, f"{motion.name}_friction"
+    if dynamics.stiffness or dynamics.damping:
+        k, c = dynamics.stiffness, dynamics.damping
+        yield RSDA(f"{motion.name}_spring", frame_i=i, frame_j=j, k=k, c=c, angle=dynamics.free)
+    if dynamics.friction:
+        load, name = dynamics.friction, f"{motion.name}_friction"
         yield AngleFriction(name, frame_i=i, frame_j=j, load=load, mu=1.0, creep=CREEP, radius=1.0)
-    if given.inertia:
-        yield AngleInertia(f"{motion.name}_inertia", frame_i=i, frame_j=j, inertia=given.inertia)
+    if dynamics.inertia:
+        yield AngleInertia(f"{motion.name}_inertia", frame_i=i, frame_j=j, inertia=dynamics.inertia)
 
 
-def _along(hinge: Hinge, motion: Slide, given: Dynamics) -> Iterator[Force]:
+def _along(hinge: Hinge, motion: Slide, dynamics: Dynamics) -> Iterator[Force]:
     i, j = hinge.frames(np.zeros(3), motion.axis)
-    if given.stiffness or given.damping:
-        yield _spring_along(f"{motion.name}_spring", i, j, given)
-    if given.friction:
-        load, name = given.friction, f"{motion.name}_friction"
+    if dynamics.stiffness or dynamics.damping:
+        yield _spring_along(f"{motion.name}_spring", i, j, dynamics)
+    if dynamics.friction:
+        load, name = dynamics.friction, f"{motion.name}_friction"
         yield DisplacementFriction(name, frame_i=i, frame_j=j, load=load, mu=1.0, creep=CREEP)
-    if given.inertia:
-        yield DisplacementInertia(f"{motion.name}_inertia", frame_i=i, frame_j=j, inertia=given.inertia)
+    if dynamics.inertia:
+        yield DisplacementInertia(f"{motion.name}_inertia", frame_i=i, frame_j=j, inertia=dynamics.inertia)
 
 
-def _spring_along(name: str, i: Frame, j: Frame, given: Dynamics) -> Bushing:
+def _spring_along(name: str, i: Frame, j: Frame, dynamics: Dynamics) -> Bushing:
     third = np.eye(6)[2]
     return Bushing(
         name,
         frame_i=i,
         frame_j=j,
-        stiffness=tuple(given.stiffness * third),
-        damping=tuple(given.damping * third),
-        preload=tuple(given.stiffness * given.free * third),
+        stiffness=tuple(dynamics.stiffness * third),
+        damping=tuple(dynamics.damping * third),
+        preload=tuple(dynamics.stiffness * dynamics.free * third),
     )
 
 

@@ -98,10 +98,10 @@ class _Search:
     def solved(self, theta: Array, bounds: Array) -> Array:
         """Return the coordinates near to given ones with the smallest openings."""
         tight = {"xtol": 1e-15, "ftol": 1e-15, "gtol": 1e-15}
-        found = least_squares(
+        solution = least_squares(
             self.openings, theta.clip(*bounds), self.jacobian, bounds, max_nfev=EVALUATIONS, **tight
         )
-        return np.asarray(found.x)
+        return np.asarray(solution.x)
 
     def closes(self, theta: Array) -> bool:
         """Return whether all loops are closed, but for what the assembly closes."""
@@ -122,15 +122,15 @@ class _Search:
         """Return the derivative of the openings. (3 · pairs, coordinates)"""
         poses, carried = self._poses(theta)
         columns, count = self._columns(theta)
-        found = np.zeros((3 * len(self.ends), count))
+        J = np.zeros((3 * len(self.ends), count))
         for n, (i, s_i, j, s_j) in enumerate(self.ends):
             for sign, body, s in ((-1, i, s_i), (1, j, s_j)):
                 point = poses[body].global_point(s)
                 for key, twist in carried[body].items():
                     if key in columns:
                         place, factors = columns[key]
-                        found[3 * n : 3 * n + 3, place] += sign * np.outer(twist.at(point), factors)
-        return found
+                        J[3 * n : 3 * n + 3, place] += sign * np.outer(twist.at(point), factors)
+        return J
 
     def _poses(self, theta: Array) -> tuple[dict[str, Pose], dict[str, dict[tuple[str, int], Twist]]]:
         """Return the pose of each link, and the twists that move it by motion and freedom."""
@@ -145,13 +145,13 @@ class _Search:
 
     def _columns(self, theta: Array) -> tuple[dict[tuple[str, int], tuple[slice, Array]], int]:
         """Return the columns of each freedom, with its derivatives by the coordinates of the motion."""
-        found, first = dict[tuple[str, int], tuple[slice, Array]](), 0
+        columns, first = dict[tuple[str, int], tuple[slice, Array]](), 0
         for motion in self.free:
             place = slice(first, first + motion.width)
             for k, factors in enumerate(_speeds(motion, theta[place])):
-                found[motion.name, k] = (place, factors)
+                columns[motion.name, k] = (place, factors)
             first += motion.width
-        return found, first
+        return columns, first
 
 
 def _speeds(motion: Motion, values: Array) -> Array:

@@ -88,8 +88,8 @@ class Coordinates:
         factors, start = dict[str, float](), path.start
         for motion, factor in path.joints.items():
             if motion in self.edges:
-                found = self.find(motion, remedy)
-                factors[found.name] = found.sign * factor
+                coordinate = self.find(motion, remedy)
+                factors[coordinate.name] = coordinate.sign * factor
             elif motion in self.values:
                 start += factor * float(self.values[motion][0])
         return Route({"joints": factors}, start) if factors else None
@@ -101,18 +101,18 @@ class Coordinates:
                 message = f"uses {quote(link)}, a link without mass that became part of a joint"
                 raise ModelError(f"{message}. Give it a mass.")
         points = [self.links[link].point(*place) for link, place in path.points]
-        around = [self._wrap(one) if one else None for one in obstacles]
+        around = [self._wrap(obstacle) if obstacle else None for obstacle in obstacles]
         ends = zip(points, points[1:], path.factors, around, strict=False)
         if not any(factor and _moves(i, j, shape) for i, j, factor, shape in ends):
             return None
         fields: PathFields = {"points": points, "factors": path.factors}
         return Route(fields | {"around": around} if any(around) else fields, 0.0)
 
-    def _wrap(self, given: Obstacle) -> Wrap:
-        link = self.links[given.link]
-        axis = triple(link.place.A @ np.array(given.axis)) if given.axis else None
-        side = self.links[given.side[0]].point(*given.side[1]) if given.side else None
-        return Wrap(link.point(*given.center), given.radius, axis, side)
+    def _wrap(self, obstacle: Obstacle) -> Wrap:
+        link = self.links[obstacle.link]
+        axis = triple(link.place.A @ np.array(obstacle.axis)) if obstacle.axis else None
+        side = self.links[obstacle.side[0]].point(*obstacle.side[1]) if obstacle.side else None
+        return Wrap(link.point(*obstacle.center), obstacle.radius, axis, side)
 
 
 def _links_of(obstacles: Iterable[Obstacle | None]) -> list[str]:
@@ -123,7 +123,7 @@ def _links_of(obstacles: Iterable[Obstacle | None]) -> list[str]:
 
 def _moves(i: Point, j: Point, shape: Wrap | None) -> bool:
     """Return whether the length of a segment changes."""
-    return any(one.body is not i.body for one in (j, *([shape.center] if shape else [])))
+    return any(end.body is not i.body for end in (j, *([shape.center] if shape else [])))
 
 
 BASE = "base"  # the motion of a floating root

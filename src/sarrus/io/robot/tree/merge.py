@@ -80,14 +80,14 @@ def without_mass(description: Description) -> set[str]:
 
 def stopped(edge: Edge, values: Mapping[str, Array]) -> Edge:
     """Return the edge with a constant displacement in place of each stopped motion, before those that are left."""
-    pose, left = edge.pose, list[Motion]()
+    pose, moving = edge.pose, list[Motion]()
     for motion in edge.motions:
         if motion.name in values:
             stop = motion.moved(GROUND_POSE, values[motion.name])
-            pose, left = compose(pose, stop), [_behind(stop, one) for one in left]
+            pose, moving = compose(pose, stop), [_behind(stop, one) for one in moving]
         else:
-            left.append(motion)
-    return replace(edge, pose=pose, motions=tuple(left))
+            moving.append(motion)
+    return replace(edge, pose=pose, motions=tuple(moving))
 
 
 def _behind(stop: Pose, motion: Motion) -> Motion:
@@ -103,8 +103,8 @@ def _take(merged: Merger, description: Description, link: str) -> None:
     head, pose = merged.places[link]
     inertial = description.links[link].inertial
     if inertial is not None and head != WORLD:
-        held = [merged.inertials[head]] if head in merged.inertials else []
-        merged.inertials[head] = combined([*held, inertial.seen_from(pose)])
+        before = [merged.inertials[head]] if head in merged.inertials else []
+        merged.inertials[head] = combined([*before, inertial.seen_from(pose)])
 
 
 def _can_stand_alone(merged: Merger, description: Description, edge: Edge) -> bool:
@@ -139,11 +139,11 @@ def _has_mass(link: str, merged: Merger) -> bool:
 def _take_out(link: str, above: dict[str, Edge], below: dict[str, set[str]]) -> None:
     """Join the edge above a link with the one below it, if one joint can have the motions of both."""
     (child,) = below[link]
-    one = _in_one(above[link], above[child])
-    if one is not None:
-        above[child] = one
+    joined = _in_one(above[link], above[child])
+    if joined is not None:
+        above[child] = joined
         del above[link]
-        below[one.parent] ^= {link, child}
+        below[joined.parent] ^= {link, child}
 
 
 def _in_one(above: Edge, below: Edge) -> Edge | None:

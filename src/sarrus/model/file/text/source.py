@@ -81,8 +81,8 @@ def root_tag(path: Path) -> str:
     except ModelError:
         return ""
     encoding = "utf-16" if content.startswith(UTF_16) else "utf-8-sig"
-    found = ROOT.match(content.decode(encoding, errors="replace"))
-    return found[1] if found else ""
+    match = ROOT.match(content.decode(encoding, errors="replace"))
+    return match[1] if match else ""
 
 
 def _suggestion(path: Path) -> str:

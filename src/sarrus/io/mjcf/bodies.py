@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn, compose, pose, relative, unit
-from ...model.geometry.points import Frame
 from ...model.geometry.pose import GROUND_POSE, Pose
-from ...model.quantity import triple
-from ..robot import Edge, Inertia, Link, Robot, Visual
+from ..robot import Edge, Inertia, Link, Visual
 from .compiled import Shape, name_of
 
 FREE, BALL, SLIDE, HINGE = range(4)  # mjtJoint
@@ -47,11 +45,6 @@ def visuals_of(compiled: Any) -> Iterator[Visual]:
 def placed(r: Any, p: Any) -> Pose:
     """Return the pose of MuJoCo's position and quaternion, which has its scalar first too."""
     return pose(np.array(r, dtype=float), unit(np.array(p, dtype=float)))
-
-
-def frame_at(robot: Robot, link: str, place: Pose) -> Frame:
-    """Return the frame at a pose on a link."""
-    return robot.frame(link, triple(place.r), x=place.A[:, 0], z=place.A[:, 2])
 
 
 def _edge(compiled: Any, k: int, names: list[str]) -> Edge:

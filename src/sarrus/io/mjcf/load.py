@@ -28,11 +28,11 @@ from ..loops import close
 from ..robot import Description, ImportOptions, Keyframe, Robot, activation_name, build
 from ..robot.options import Base, InertiaOption, MeshOption, MimicOption, check_floating
 from ..robot.tree.coordinates import BASE
-from .bodies import BALL, edges_of, frame_at, joint_names, links_of, names_of, placed, visuals_of, zeros_of
+from .bodies import BALL, edges_of, joint_names, links_of, names_of, placed, visuals_of, zeros_of
 from .compiled import Shape, compiled, disabled, name_of, no_passive_forces
 from .left_out import notes
 from .loads.actuators import actuators_of, control_of, count, lifted_by
-from .loads.contacts import contacts_of
+from .loads.contacts import contacts_of, frame_at
 from .loads.joints import dynamics_of, limits_of, stops_of
 from .loads.tendons import tendons_of
 from .loops import closing_parts, equalities_of, mimics_of

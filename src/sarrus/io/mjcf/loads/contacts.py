@@ -15,12 +15,13 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from ....model import SphereContact
+from ....model.geometry.points import Frame
 from ....model.geometry.pose import Pose
 from ....model.quantity import Array, triple
 from ....model.show import quote
 from ...robot import Robot
 from ...robot.interaction import Ends
-from ..bodies import frame_at, names_of, placed
+from ..bodies import names_of, placed
 from ..compiled import Shape, disabled, enabled, name_of, version
 from .compliance import STATIONARY, compliance
 
@@ -218,3 +219,8 @@ def _carrying_mass(compiled: Any, bodies: Any) -> float:
     """Return the largest mass of what bodies without mass are fixed to, with what hangs on it."""
     roots = compiled.body_weldid[bodies]
     return float(max(compiled.body_subtreemass[roots[roots > 0]], default=0.0))
+
+
+def frame_at(robot: Robot, link: str, place: Pose) -> Frame:
+    """Return the frame at a pose on a link."""
+    return robot.frame(link, triple(place.r), x=place.A[:, 0], z=place.A[:, 2])

@@ -130,6 +130,16 @@ def test_sensitivity() -> None:
     assert found["sundials_crank.gradient_error"] < 5e-3
 
 
+def test_everyday_calls() -> None:
+    """Each has a first and a later time, and derivatives are ratios to the run."""
+    found = figures("calls.py", "--quick", "--only", "slider_crank")
+    for name in ("System", "assemble", "simulate.radau", "equilibrium", "linearize", "workspace_range"):
+        assert 0 < found[f"slider_crank.{name}.later_ms"]
+    for method in ("hht", "radau"):
+        for name in ("final", "integral", "maximum", "error"):
+            assert 0 < found[f"slider_crank.{method}.{name}.later_ratio"]
+
+
 def test_dynamics() -> None:
     """Without Exudyn: all problems run, to their references, and the chains are measured."""
     found = figures("dynamics.py", "--quick")

@@ -135,7 +135,10 @@ def gradient(method: str) -> sr.Gradient:
 def test_the_value_is_that_of_the_run(name: str) -> None:
     assert abs(run().joint("pin").angle[-1]) > 2 * np.pi  # turns are counted
     found = sr.sensitivity(run(), RESPONSES[list(WANTED).index(name)], NAMES[:1]).values[0]
-    assert found == pytest.approx(WANTED[name](run()), rel=1e-8, abs=1e-8)
+    # Nodes of Radau are on the constraints to 1e-9 m with this atol, reported states to round-off: by 3e-8 their
+    # accelerations differ
+    limit = 5e-8 if "acceleration" in name else 1e-8
+    assert found == pytest.approx(WANTED[name](run()), rel=limit, abs=limit)
 
 
 def test_forward_and_backward_agree() -> None:
@@ -149,7 +152,9 @@ def test_forward_and_backward_agree() -> None:
 def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
     found = gradient("adjoint")
     scale = abs(found.matrix).max(axis=1)
-    wanted = differenced(exact(), RESPONSES, name, 1e-4, sr.Radau())
+    # By a point, 2e-4, 1e-4, 5e-5 and 2.5e-5 are 2.3e-6, 1.5e-7, 9e-9 and 6e-10 off: the error of differences
+    step = 5e-5 if name == "pin.point.y" else 1e-4
+    wanted = differenced(exact(), RESPONSES, name, step, sr.Radau())
     worst = abs(found[name] - wanted) / scale
     assert np.all(worst < 1e-7), dict(zip(found.responses, worst, strict=True))
 

@@ -1,14 +1,13 @@
-"""One candidate curve by pseudo-arclength continuation, from its beginning to its next event: an iterator of points."""
+"""One candidate curve by pseudo-arclength continuation, from its beginning to its next event."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from ..problem.watch import check
-from .event import SLACK, Event, first_event
+from .event import SLACK, Event, Own, first_event
 from .point import Point, Step, point_at, point_with
 from .stratum import NoPoint, Stratum, Tangent, correct, plane
 from .vertex import directions
@@ -22,12 +21,8 @@ DOUBT = 1e-5  # of the outputs in the middle of a step, free of units: areas are
 TURN = 2 * np.pi
 
 
-class _Again(Exception):
-    """The step is taken again with another length."""
-
-
 class Trace:
-    """Points of a curve one by one; an iterator that can be left and taken up again.
+    """A curve that is followed to its next event.
 
     Parameters
     ----------
@@ -40,8 +35,8 @@ class Trace:
 
     Attributes
     ----------
-    points : so far
-    event : at the end, when it is reached
+    points : up to the event
+    event : at the end
     failure : why there is none
     """
 
@@ -49,7 +44,7 @@ class Trace:
         self,
         stratum: Stratum,
         start: Point,
-        own: tuple[str, tuple[int, int] | None] | None,
+        own: Own,
         closes: bool,
         *,
         longest: float = LONGEST,
@@ -61,30 +56,31 @@ class Trace:
         self._own, self._closes, self._longest, self._most = own, closes, longest, most
         self._h = self._wanted(start)
 
-    def __iter__(self) -> Iterator[Point]:
+    def follow(self) -> Trace:
+        """Take steps until the next event or a failure."""
+        while self.event is None and not self.failure:
+            check()
+            self._advance()
         return self
 
-    def __next__(self) -> Point:
-        if self.event is not None or self.failure:
-            raise StopIteration
-        check()
+    def _advance(self) -> None:
+        """Take one more step, so short that it succeeds."""
         message = "the curve bends too much at its start"
         while self._h > SHORTEST:
             try:
-                return self._step()
-            except _Again:
-                continue
+                if self._step():
+                    return
             except NoPoint as error:
                 self._h *= 0.4
                 message = str(error)
         self.failure = f"the step became too short: {message}"
-        raise StopIteration
 
     def _wanted(self, point: Point) -> float:
         longest = self._longest if point.tangent.bends else CROSSING
         return min(longest, ANGLE / max(float(np.linalg.norm(point.tangent.turn)), 1e-9))
 
-    def _step(self) -> Point:
+    def _step(self) -> bool:
+        """Try a step; false if it has to end before a crossing of curves."""
         a, h, stratum = self.points[-1], self._h, self.stratum
         guess = a.x + h * a.t + 0.5 * h * h * a.tangent.turn
         x, linear = correct(stratum, guess, plane(guess, a.t), steps=4)
@@ -96,12 +92,13 @@ class Trace:
             raise NoPoint("the curve bends too much")
         if Step(a, b).doubt() > DOUBT:
             raise NoPoint("the curve bends too quickly")
-        self._take(a, b)
+        if not self._take(a, b):
+            return False
         grow = min(2.0, max(0.5, (OFF / max(off, 1e-12)) ** (1 / 3)))
         self._h = min(self._wanted(b), grow * h)
-        return self.points[-1]
+        return True
 
-    def _take(self, a: Point, b: Point) -> None:
+    def _take(self, a: Point, b: Point) -> bool:
         """Keep a step up to its first event."""
         first = len(self.points) == 1
         start = self.points[0] if self._closes and len(self.points) > 2 else None
@@ -109,7 +106,7 @@ class Trace:
         if event is not None and event.kind == "branch":
             if event.tau * self._h > CROSSING:
                 self._h = event.tau * self._h - 0.7 * CROSSING
-                raise _Again
+                return False
             event = event._replace(point=self._crossed(a, event.point))
         if event is not None:
             b = self._near(a, event.point, event.tau * self._h)
@@ -120,6 +117,7 @@ class Trace:
         self.event = event
         if event is None and len(self.points) > self._most:
             self.failure = "it has too many points"
+        return True
 
     def _crossed(self, a: Point, b: Point) -> Point:
         """A crossing with the exact direction of the curve that was followed."""

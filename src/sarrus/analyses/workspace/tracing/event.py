@@ -11,8 +11,9 @@ import numpy as np
 from ....algebra import Array
 from ..problem.settle import CLOSE
 from .point import Point, Step, point_at
-from .stratum import NoPoint, Row, Stratum, Tangents, bordered, correct, plane, signs
+from .stratum import Limit, NoPoint, Row, Stratum, Tangents, bordered, correct, plane, signs
 
+Own = tuple[str, Limit | None] | None  # the event at which a curve begins
 STILL = (("cusp", None), ("branch", None))  # where the outputs may stand still at the beginning
 NEAR = 1e-9  # of a step: so near to a crossing, where the equations are singular, it is located
 SLACK = 1e-10  # of a limit that counts as satisfied, free of units
@@ -30,24 +31,11 @@ class Event(NamedTuple):
 
     tau: float
     kind: str
-    limit: tuple[int, int] | None
+    limit: Limit | None
     point: Point
 
 
-class Guess(NamedTuple):
-    """Estimated position of an event."""
-
-    tau: float
-    kind: str
-    limit: tuple[int, int] | None
-
-
-def first_event(
-    stratum: Stratum,
-    step: Step,
-    own: tuple[str, tuple[int, int] | None] | None,
-    start: Point | None,
-) -> Event | None:
+def first_event(stratum: Stratum, step: Step, own: Own, start: Point | None) -> Event | None:
     """The first event of a step; `own` is the event at which the curve began, which its first step leaves.
 
     Raises
@@ -55,20 +43,19 @@ def first_event(
     NoPoint
         If something happens that cannot be located: the step is too long.
     """
-    found = [_located(stratum, step, guess) for guess in _guesses(stratum, step, own)]
+    found = [*_hits(stratum, step, own), *_releases(stratum, step, own), *_turns(stratum, step, own)]
     closed = None if start is None else _closing(stratum, step, start)
     found += [] if closed is None else [closed]
     return min(found, key=lambda event: event.tau, default=None)
 
 
-def _guesses(stratum: Stratum, step: Step, own: tuple[str, tuple[int, int] | None] | None) -> Iterator[Guess]:
-    yield from _hits(stratum, step, own)
-    yield from _releases(stratum, step, own)
-    cusp = _reverses(stratum, step) and own not in STILL
+def _turns(stratum: Stratum, step: Step, own: Own) -> Iterator[Event]:
+    """Crossings of curves, and cusps."""
+    reverses = _reverses(stratum, step)
     if step.a.tangent.sign * step.b.tangent.sign < 0 and own != STILL[1]:
-        yield Guess(0.5, "branch", None)
-    elif cusp:
-        yield Guess(0.5, "cusp", None)
+        yield _by_bracket(stratum, step, "branch", _speed if reverses else _determinant(stratum))
+    elif reverses and own not in STILL:
+        yield _by_bracket(stratum, step, "cusp", _speed)
 
 
 def _reverses(stratum: Stratum, step: Step) -> bool:
@@ -77,7 +64,7 @@ def _reverses(stratum: Stratum, step: Step) -> bool:
     return stratum.problem.has_cusps and a * b < 0 and max(abs(a), abs(b)) > SLACK
 
 
-def _hits(stratum: Stratum, step: Step, own: object) -> Iterator[Guess]:
+def _hits(stratum: Stratum, step: Step, own: Own) -> Iterator[Event]:
     a, b = step.a, step.b
     if not a.margins.size:
         return
@@ -91,17 +78,15 @@ def _hits(stratum: Stratum, step: Step, own: object) -> Iterator[Guess]:
             raise NoPoint("a limit is reached at once")
         tau = _sinks(margins[:, i, end], mine)
         if tau is not None:
-            yield Guess(tau, "hit", limit)
+            yield _by_newton(stratum, step, tau, "hit", limit)
 
 
-def _releases(stratum: Stratum, step: Step, own: object) -> Iterator[Guess]:
+def _releases(stratum: Stratum, step: Step, own: Own) -> Iterator[Event]:
     unknowns = step.unknowns() if stratum.active else np.zeros((6, 0))
     for limit in stratum.active:
         k, mine = stratum.multiplier(limit), own == ("limit", limit)
         a, b = step.a.x[k], step.b.x[k]
-        if (
-            max(abs(a), abs(b)) <= SLACK
-        ):  # a limit at a singular configuration: its multiplier vanishes all along
+        if max(abs(a), abs(b)) <= SLACK:  # at a singular configuration: it vanishes all along
             continue
         begins_at_zero = mine or abs(a) <= SLACK
         if mine and b * step.a.t[k] < 0:
@@ -110,7 +95,7 @@ def _releases(stratum: Stratum, step: Step, own: object) -> Iterator[Guess]:
         if tau is None and a * b < 0 and not begins_at_zero:
             tau = a / (a - b)
         if tau is not None:
-            yield Guess(tau, "release", limit)
+            yield _by_newton(stratum, step, tau, "release", limit)
 
 
 def _may_sink(polynomials: Array) -> Array:
@@ -136,42 +121,29 @@ def _zeros(polynomial: Array) -> list[float]:
     return [r.real for r in roots if abs(r.imag) < 1e-6 and -1e-9 <= r.real <= 1 + 1e-9]
 
 
-def _located(stratum: Stratum, step: Step, guess: Guess) -> Event:
-    if guess.kind == "hit":
-        assert guess.limit is not None
-        return _by_newton(stratum, step, guess, _limit_row(stratum, guess.limit))
-    if guess.kind == "release":
-        assert guess.limit is not None
-        return _by_newton(stratum, step, guess, _multiplier_row(stratum, guess.limit))
-    if guess.kind == "cusp" or _reverses(stratum, step):
-        return _by_bracket(stratum, step, guess, _speed)
-    return _by_bracket(stratum, step, guess, _Determinant(stratum))
-
-
-def _by_newton(stratum: Stratum, step: Step, guess: Guess, row: Row) -> Event:
-    x, linear = correct(stratum, step.x(guess.tau), row)
+def _by_newton(stratum: Stratum, step: Step, tau: float, kind: str, limit: Limit) -> Event:
+    """The point near tau at which a limit is reached, or its multiplier vanishes."""
+    row = _limit_row(stratum, limit) if kind == "hit" else _multiplier_row(stratum, limit)
+    x, linear = correct(stratum, step.x(tau), row)
     tau = float(step.a.t @ (x - step.a.x)) / step.length
-    if (
-        not -1e-6 <= tau <= 1 + 1e-6
-        or np.linalg.norm(x - step.x(min(max(tau, 0.0), 1.0))) > 0.3 * step.length
-    ):
+    away = np.linalg.norm(x - step.x(min(max(tau, 0.0), 1.0)))
+    if not -1e-6 <= tau <= 1 + 1e-6 or away > 0.3 * step.length:
         raise NoPoint("the event lies on another curve")
-    return Event(tau, guess.kind, guess.limit, point_at(stratum, x, linear, step.a.t))
+    return Event(tau, kind, limit, point_at(stratum, x, linear, step.a.t))
 
 
-def _limit_row(stratum: Stratum, limit: tuple[int, int]) -> Row:
+def _limit_row(stratum: Stratum, limit: Limit) -> Row:
     p, (i, end) = stratum.problem, limit
     at = p.m + p.limited[i]
 
     def row(x: Array, linear: Tangents) -> tuple[float, Array]:
-        gradient = np.zeros(stratum.size)
-        gradient[: stratum.n] = linear.J[at]
+        gradient = np.append(linear.J[at], np.zeros(stratum.size - stratum.n))
         return float(linear.values[at] - p.bounds[i, end]), gradient
 
     return row
 
 
-def _multiplier_row(stratum: Stratum, limit: tuple[int, int]) -> Row:
+def _multiplier_row(stratum: Stratum, limit: Limit) -> Row:
     unit = np.zeros(stratum.size)
     unit[stratum.multiplier(limit)] = 1.0
     return lambda x, linear: (float(unit @ x), unit)
@@ -181,22 +153,19 @@ def _speed(point: Point) -> float:
     return point.speed
 
 
-class _Determinant:
+def _determinant(stratum: Stratum) -> Callable[[Point], float]:
     """A smooth function with the sign of det [G_x; t], from a bordered system with fixed borders."""
+    column, last = np.random.default_rng(1).normal(size=(2, stratum.size + 1))
 
-    def __init__(self, stratum: Stratum) -> None:
-        self._stratum = stratum
-        self._borders = np.random.default_rng(1).normal(size=(2, stratum.size + 1))
+    def value(point: Point) -> float:
+        square = bordered(stratum.linear(point.x).G_x, point.t)
+        whole = np.block([[square, column[:-1, None]], [last]])
+        return float(np.linalg.solve(whole, np.append(np.zeros(len(square)), 1.0))[-1])
 
-    def __call__(self, point: Point) -> float:
-        square = bordered(self._stratum.linear(point.x).G_x, point.t)
-        column, last = self._borders
-        right = np.append(np.zeros(len(square)), 1.0)
-        whole = np.concatenate([np.concatenate([square, column[:-1, None]], axis=1), last[None]])
-        return float(np.linalg.solve(whole, right)[-1])
+    return value
 
 
-def _by_bracket(stratum: Stratum, step: Step, guess: Guess, value: Callable[[Point], float]) -> Event:
+def _by_bracket(stratum: Stratum, step: Step, kind: str, value: Callable[[Point], float]) -> Event:
     """The zero of a function of the points between the ends, by Brent's method."""
     from scipy.optimize import brentq  # 0.2 s to import, and only some curves need it
 
@@ -212,14 +181,14 @@ def _by_bracket(stratum: Stratum, step: Step, guess: Guess, value: Callable[[Poi
     if at(0.0) * at(1.0) > 0:
         raise NoPoint("no change of sign")
     try:
-        tau = brentq(at, 0.0, 1.0, xtol=NEAR if guess.kind == "branch" else CLOSE)
+        tau = brentq(at, 0.0, 1.0, xtol=NEAR if kind == "branch" else CLOSE)
         at(tau)
     except NoPoint:
         inner = [one for one in found if 0 < one < 1]
-        if guess.kind != "branch" or not inner:
+        if kind != "branch" or not inner:
             raise
         tau = inner[-1]  # so near to a crossing the equations are singular
-    return Event(tau, guess.kind, None, found[tau])
+    return Event(tau, kind, None, found[tau])
 
 
 def _closing(stratum: Stratum, step: Step, start: Point) -> Event | None:

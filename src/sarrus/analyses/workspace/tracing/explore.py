@@ -17,7 +17,7 @@ from .curve import LONGEST, Trace
 from .event import Event
 from .point import Point, Step
 from .stratum import Active, NoPoint, Stratum, signs
-from .vertex import Half, Vertex, describe, loses_rank, seed, vertex_of
+from .vertex import Half, Vertex, halves, loses_rank, seed, vertex_of
 
 # Configurations at which constraints are dependent; where these are a curve, they have no end
 MOST_SINGULAR = 16
@@ -107,10 +107,9 @@ class Explorer:
 
     def _follow(self, vertex: Vertex, half: Half) -> Branch:
         stratum = self.stratum(half.key)
-        trace = Trace(stratum, half.point, half.own, vertex.kind == "seed", longest=self.longest)
         try:
-            for _ in trace:
-                pass
+            closes = vertex.kind == "seed"
+            trace = Trace(stratum, half.point, half.own, closes, longest=self.longest).follow()
         except (TimeLimit, KeyboardInterrupt):
             self.open.appendleft((vertex, half))  # to be followed when the map goes on
             raise
@@ -124,8 +123,7 @@ class Explorer:
     def _end(self, stratum: Stratum, trace: Trace, start: Vertex) -> Vertex:
         event = trace.event
         if event is None:
-            last = trace.points[-1]
-            lost = Vertex("loose", last.x[: stratum.n], stratum.key, None, last.u)
+            lost = Vertex("loose", trace.points[-1].x[: stratum.n], stratum.key, None, trace.points[-1].u)
             self.vertices.append(lost)
             return lost
         found = start if event.kind == "closed" else self._vertex(stratum, event)
@@ -135,12 +133,12 @@ class Explorer:
         return found
 
     def _vertex(self, stratum: Stratum, event: Event) -> Vertex:
-        kind, key, limit = describe(stratum, event)
-        for vertex in self.vertices:
-            if vertex.is_at(kind, event.point.x[: stratum.n], key, limit, event.point.c):
-                return vertex
-        found = vertex_of(self.stratum, stratum, event)
+        found, c = vertex_of(stratum, event), event.point.c
+        known = next((vertex for vertex in self.vertices if vertex.is_same(found, c)), None)
+        if known is not None:
+            return known
+        found.halves = list(halves(self.stratum, stratum, event.point, found))
         self._add(found)
-        self._singular += kind == "branch" and loses_rank(stratum, found.q)
+        self._singular += found.kind == "branch" and loses_rank(stratum, found.q)
         self.endless = self._singular > MOST_SINGULAR
         return found

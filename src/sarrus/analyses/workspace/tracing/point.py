@@ -84,10 +84,6 @@ class Step:
         self._rate = float(a.t @ b.t)
         self._bend = float(a.t @ b.tangent.turn)
 
-    def _by_parameter(self, first: Array, second: Array) -> tuple[Array, Array]:
-        """Derivatives at b by the parameter, from those by arc length."""
-        return first / self._rate, (second * self._rate - first * self._bend) / self._rate**3
-
     def quintic(self) -> Array:
         """Coefficients (6, 2) of the outputs as a polynomial in tau = 0 ... 1."""
         a, b = self.a, self.b
@@ -113,15 +109,13 @@ class Step:
         return np.asarray(tau ** np.arange(6) @ self.unknowns())
 
     def _between(self, a: tuple[Array, Array, Array], b: tuple[Array, Array, Array]) -> Array:
-        """The quintic through a function's values with their two derivatives by arc length."""
-        h, (first, second) = self.length, self._by_parameter(b[1], b[2])
-        ends = (a[0], h * a[1], h * h * a[2], b[0], h * first, h * h * second)
-        return quintic(*self._without_unknown(*ends))
+        """Coefficients (6, ...) of the quintic through a function's values with their two derivatives by arc length.
 
-    def _without_unknown(
-        self, f: Array, f1: Array, f2: Array, g: Array, g1: Array, g2: Array
-    ) -> tuple[Array, ...]:
-        """Second derivatives that are not known, where curves cross, are those of a polynomial of lower degree."""
+        Second derivatives that are not known, where curves cross, are those of a polynomial of lower degree.
+        """
+        h, rate = self.length, self._rate
+        f, f1, f2 = a[0], h * a[1], h * h * a[2]
+        g, g1, g2 = b[0], h * b[1] / rate, h * h * (b[2] * rate - b[1] * self._bend) / rate**3
         d = g - f
         if not self.a.tangent.bends and not self.b.tangent.bends:
             f2, g2 = 6 * d - 4 * f1 - 2 * g1, 2 * f1 + 4 * g1 - 6 * d
@@ -129,7 +123,9 @@ class Step:
             f2 = 12 * d - 6 * f1 - 6 * g1 + g2
         elif not self.b.tangent.bends:
             g2 = 6 * f1 + 6 * g1 + f2 - 12 * d
-        return f, f1, f2, g, g1, g2
+        d, e, c = d - f1 - 0.5 * f2, g1 - f1 - f2, g2 - f2
+        last = (10 * d - 4 * e + 0.5 * c, -15 * d + 7 * e - c, 6 * d - 3 * e + 0.5 * c)
+        return np.array([f, f1, 0.5 * f2, *last])
 
     def cubic(self, f_a: Array, f_a_s: Array, f_b: Array, f_b_s: Array) -> Array:
         """Coefficients (4, ...) of a function whose values and derivatives by arc length are known."""
@@ -137,12 +133,6 @@ class Step:
         first, last = h * f_a_s, h * f_b_s / self._rate
         d = f_b - f_a
         return np.array([f_a, first, 3 * d - 2 * first - last, -2 * d + first + last])
-
-
-def quintic(f: Array, f1: Array, f2: Array, g: Array, g1: Array, g2: Array) -> Array:
-    """Coefficients (6, ...) of the polynomial with these values and derivatives at 0 and 1."""
-    d, e, c = g - f - f1 - 0.5 * f2, g1 - f1 - f2, g2 - f2
-    return np.array([f, f1, 0.5 * f2, 10 * d - 4 * e + 0.5 * c, -15 * d + 7 * e - c, 6 * d - 3 * e + 0.5 * c])
 
 
 @cache

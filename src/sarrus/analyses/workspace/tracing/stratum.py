@@ -21,7 +21,8 @@ from ....model.coordinates import WIDTH
 from ..problem.rows import Problem
 from ..problem.settle import CLOSE
 
-Active = frozenset[tuple[int, int]]  # limits by number with their end: 0 the lowest, 1 the highest value
+Limit = tuple[int, int]  # by its number, with its end: 0 the lowest, 1 the highest value
+Active = frozenset[Limit]
 
 
 class Tangents(NamedTuple):
@@ -82,7 +83,7 @@ class Stratum:
         found[self.normal] += c  # an output may be limited, too
         return found
 
-    def multiplier(self, limit: tuple[int, int]) -> int:
+    def multiplier(self, limit: Limit) -> int:
         """The place in x of the multiplier of an active limit."""
         return self.first_limit + self.active.index(limit)
 
@@ -116,12 +117,8 @@ class Stratum:
         alpha, beta = t[:n], s[:n]
         top = self._top(q, alpha, beta)
         force = p.curvature_along(q, self.weights(x), alpha) @ beta
-        force += p.curvature(q, self._spread(t)) @ beta
-        force += p.curvature(q, self._spread(s)) @ alpha
+        force += p.curvature(q, self.weights(t)) @ beta + p.curvature(q, self.weights(s)) @ alpha
         return np.concatenate([top, force, [t[n:] @ s[n:]]])
-
-    def _spread(self, t: Array) -> Array:
-        return self.weights(t)
 
     def _top(self, q: Array, alpha: Array, beta: Array) -> Array:
         """(A alpha)_q beta, by polarization of the quadratic form where they differ."""

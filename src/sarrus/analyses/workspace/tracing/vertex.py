@@ -8,6 +8,7 @@ S + {i}, each of its limits can be left instead.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,9 +16,9 @@ from scipy.linalg import eigvals
 
 from ....algebra import Array
 from ....linalg.svd import singular
-from .event import Event
-from .point import Point, point_with
-from .stratum import SAME, Active, NoPoint, Stratum, Tangent, Tangents, apart, body_signs, tangent
+from .event import Event, Own
+from .point import Point, point_at, point_with
+from .stratum import SAME, Active, Limit, NoPoint, Stratum, Tangent, Tangents, apart, body_signs
 
 DROPS = 1e-6  # of a singular value, relative to the largest, that counts as zero
 
@@ -25,12 +26,10 @@ DROPS = 1e-6  # of a singular value, relative to the largest, that counts as zer
 def directions(stratum: Stratum, x: Array, linear: Tangents) -> list[Array]:
     """Unit tangents (size,) of the curves through x, each in one of its two senses."""
     left, _, right = singular(linear.G_x)
-    psi, one, other = left[:, -1], right[-1], right[-2]
-    c = [float(psi @ stratum.second(x, s, t)) for s, t in ((one, one), (one, other), (other, other))]
-    found = [a * one + b * other for a, b in _roots(*c)]
-    return [
-        t / np.linalg.norm(t) for t in found if np.linalg.norm(t[: stratum.n]) > DROPS * np.linalg.norm(t)
-    ]
+    psi, pair = left[:, -1], right[-2:]
+    form = np.array([[psi @ stratum.second(x, s, t) for s in pair] for t in pair])
+    found = [zero @ pair for zero in _zeros(form)]
+    return [t for t in found if np.linalg.norm(t[: stratum.n]) > DROPS]
 
 
 def normals(stratum: Stratum, q: Array) -> list[Array]:
@@ -64,22 +63,17 @@ def _singular(A: Array, B: Array) -> list[tuple[float, float]]:
     return [(x, y) for x, y in pairs]
 
 
-def _roots(c11: float, c12: float, c22: float) -> list[tuple[float, float]]:
-    """Real directions (a, b) of a quadratic form's zeros."""
-    size = max(abs(c11), abs(c12), abs(c22))
-    discriminant = c12 * c12 - c11 * c22
-    if size == 0 or discriminant < -DROPS * size * size:
+def _zeros(form: Array) -> list[Array]:
+    """Unit directions in which a quadratic form of two variables vanishes."""
+    (low, high), axes = np.linalg.eigh(form)
+    size = max(abs(low), abs(high))
+    if size == 0 or low * high > DROPS * size * size:
         return []
-    root = max(discriminant, 0.0) ** 0.5
-    if max(abs(c11), abs(c22)) <= DROPS * size:
-        return [(1.0, 0.0), (0.0, 1.0)]
-    if abs(c11) >= abs(c22):
-        return [(-c12 + root, c11), (-c12 - root, c11)]
-    return [(c22, -c12 + root), (c22, -c12 - root)]
+    a, b = np.sqrt(np.maximum([high, -low], 0.0) / (max(high, 0.0) + max(-low, 0.0)))
+    return [a * axes[:, 0] + b * axes[:, 1], a * axes[:, 0] - b * axes[:, 1]]
 
 
 Strata = Callable[[Active], Stratum]
-Own = tuple[str, tuple[int, int] | None] | None
 
 
 @dataclass(eq=False)
@@ -103,15 +97,16 @@ class Vertex:
     kind: str
     q: Array
     key: Active
-    limit: tuple[int, int] | None
+    limit: Limit | None
     u: Array
     halves: list[Half] = field(default_factory=list)
 
-    def is_at(self, kind: str, q: Array, key: Active, limit: tuple[int, int] | None, c: Array) -> bool:
-        """Whether this is the vertex of an event; normals of either sign are the same."""
-        if (kind, key, limit) != (self.kind, self.key, self.limit) or apart(q, self.q) > SAME:
+    def is_same(self, other: Vertex, c: Array) -> bool:
+        """Whether this is the vertex of an event, with its normal c or -c."""
+        mine, its = (self.kind, self.key, self.limit), (other.kind, other.key, other.limit)
+        if mine != its or apart(other.q, self.q) > SAME:
             return False
-        return kind in ("corner", "branch") or any(_parallel(half.point.c, c) for half in self.halves)
+        return self.kind in ("corner", "branch") or any(_parallel(half.point.c, c) for half in self.halves)
 
     def half(self, key: Active, q: Array, into: Array) -> Half | None:
         """The half curve with these active limits that leaves in a direction (n,) of the position."""
@@ -133,36 +128,31 @@ def _parallel(a: Array, b: Array) -> bool:
     return min(float(np.linalg.norm(a - b)), float(np.linalg.norm(a + b))) < 1e-4
 
 
-def describe(stratum: Stratum, event: Event) -> tuple[str, Active, tuple[int, int] | None]:
-    """Kind, limits and limit of the vertex at which an event happens."""
-    key = stratum.key
-    if event.limit is None:
-        return event.kind, key, None
-    if not stratum.problem.of_outputs:
-        return "end", key, event.limit
-    whole = key | {event.limit}
-    if stratum.problem.freedoms - len(whole) >= len(stratum.problem.normal) - 1:
-        return "limit", whole, event.limit
-    return "corner", whole, None
+def vertex_of(stratum: Stratum, event: Event) -> Vertex:
+    """The vertex of an event, without the curves that begin there."""
+    p, key, limit = stratum.problem, stratum.key, event.limit
+    kind = event.kind
+    if limit is not None and not p.of_outputs:
+        kind = "end"
+    elif limit is not None:
+        key = key | {limit}
+        kind = "limit" if p.freedoms - len(key) >= len(p.normal) - 1 else "corner"
+    kept = None if kind == "corner" else limit
+    return Vertex(kind, event.point.x[: stratum.n], key, kept, event.point.u)
 
 
-def vertex_of(strata: Strata, stratum: Stratum, event: Event) -> Vertex:
-    """The vertex of an event, with all that begins there."""
-    kind, key, limit = describe(stratum, event)
-    x, u = event.point.x, event.point.u
-    vertex = Vertex(kind, x[: stratum.n], key, limit, u)
-    if kind == "end":
-        vertex.halves = [Half(key, turned(event.point), ("limit", limit))]
-    elif kind == "limit":
-        assert limit is not None
-        vertex.halves = list(_at_limit(strata, stratum, event.point, limit))
-    elif kind == "corner":
-        vertex.halves = list(_at_corner(strata, stratum, event.point, key))
-    elif kind == "cusp":
-        vertex.halves = list(_both(stratum, event.point, ("cusp", None)))
-    elif kind == "branch":
-        vertex.halves = list(_at_branch(stratum, event.point))
-    return vertex
+def halves(strata: Strata, stratum: Stratum, point: Point, vertex: Vertex) -> Iterator[Half]:
+    """The curves that begin at a vertex, which a curve with a stratum reaches at a point."""
+    if vertex.kind == "end":
+        yield Half(vertex.key, turned(point), ("limit", vertex.limit))
+    elif vertex.kind == "limit" and vertex.limit is not None:
+        yield from _at_limit(strata, stratum, point, vertex.limit)
+    elif vertex.kind == "corner":
+        yield from _at_corner(strata, stratum, point, vertex.key)
+    elif vertex.kind == "cusp":
+        yield from _both(stratum, point, ("cusp", None))
+    elif vertex.kind == "branch":
+        yield from _at_branch(stratum, point)
 
 
 def loses_rank(stratum: Stratum, q: Array) -> bool:
@@ -179,20 +169,14 @@ def seed(stratum: Stratum, x: Array) -> Vertex:
     NoPoint
         If the position does not move along the curve, but only its normal, or if it is on no single curve.
     """
-    point = _isolated(stratum, x)
+    point = _point_on(stratum, x, isolated=True)
     if np.linalg.norm(point.t[: stratum.n]) < DROPS:
         raise NoPoint("the position does not move along this curve")
     return Vertex("seed", x[: stratum.n], stratum.key, None, point.u, list(_both(stratum, point, None)))
 
 
-def _regular(stratum: Stratum, x: Array) -> Point:
-    linear = stratum.linear(x)
-    along = singular(linear.G_x)[2][-1]
-    return point_with(stratum, x, linear, tangent(stratum, x, linear, along))
-
-
-def _isolated(stratum: Stratum, x: Array) -> Point:
-    """A point of one curve only.
+def _point_on(stratum: Stratum, x: Array, *, isolated: bool = False) -> Point:
+    """A regular point; `isolated` refuses one of several curves.
 
     Raises
     ------
@@ -203,9 +187,9 @@ def _isolated(stratum: Stratum, x: Array) -> Point:
     _, sizes, along = singular(linear.G_x)
     free = along[np.count_nonzero(sizes >= DROPS * sizes[0]) :, : stratum.n]
     outputs = linear.J[stratum.problem.m + stratum.problem.outputs]
-    if len(free) > 1 and np.linalg.norm(outputs @ free.T) < DROPS:
+    if isolated and len(free) > 1 and np.linalg.norm(outputs @ free.T) < DROPS:
         raise NoPoint("the outputs stand still along this curve")
-    return _regular(stratum, x)
+    return point_at(stratum, x, linear, along[-1])
 
 
 def _both(stratum: Stratum, point: Point, own: Own) -> Iterator[Half]:
@@ -220,41 +204,32 @@ def turned(point: Point) -> Point:
     return replace(point, tangent=other, u_s=-point.u_s, margins_s=-point.margins_s)
 
 
-def _at_limit(strata: Strata, stratum: Stratum, point: Point, limit: tuple[int, int]) -> Iterator[Half]:
+def _at_limit(strata: Strata, stratum: Stratum, point: Point, limit: Limit) -> Iterator[Half]:
     whole = stratum.key | {limit}
     wide, narrow = strata(whole - {limit}), strata(whole)
-    own: Own = ("limit", limit)
-    if stratum.key == whole:
-        inner = _regular(wide, _without(stratum, point.x, limit))
-        along = point
+    inner = along = point
+    if stratum is narrow:
+        inner = _point_on(wide, np.delete(point.x, narrow.multiplier(limit)))
     else:
-        inner = point
-        along = _regular(narrow, _with(narrow, stratum, point.x, limit))
-    rate = inner.margins_s[limit]
+        along = _point_on(narrow, np.insert(point.x, narrow.multiplier(limit), 0.0))
+    yield from _inwards(wide, inner, limit)
+    yield from _both(narrow, along, ("limit", limit))
+
+
+def _inwards(stratum: Stratum, point: Point, limit: Limit) -> Iterator[Half]:
+    """The curve through a point in the direction that leaves a limit inwards."""
+    rate = point.margins_s[limit]
     if rate:
-        yield Half(wide.key, inner if rate > 0 else turned(inner), own)
-    yield from _both(narrow, along, own)
-
-
-def _without(stratum: Stratum, x: Array, limit: tuple[int, int]) -> Array:
-    return np.delete(x, stratum.multiplier(limit))
-
-
-def _with(narrow: Stratum, stratum: Stratum, x: Array, limit: tuple[int, int]) -> Array:
-    return np.insert(x, narrow.multiplier(limit), 0.0)
+        yield Half(stratum.key, point if rate > 0 else turned(point), ("limit", limit))
 
 
 def _at_corner(strata: Strata, stratum: Stratum, point: Point, key: Active) -> Iterator[Half]:
     for limit in sorted(key):
         other = strata(key - {limit})
-        x = point.x if other.key == stratum.key else balanced(other, point.x[: stratum.n])
-        try:
-            here = point if other.key == stratum.key else _isolated(other, x)
-        except NoPoint:
-            continue
-        rate = here.margins_s[limit]
-        if rate:
-            yield Half(other.key, here if rate > 0 else turned(here), ("limit", limit))
+        with suppress(NoPoint):
+            x = point.x if other is stratum else balanced(other, point.x[: stratum.n])
+            here = point if other is stratum else _point_on(other, x, isolated=True)
+            yield from _inwards(other, here, limit)
 
 
 def balanced(stratum: Stratum, q: Array) -> Array:

@@ -3,8 +3,7 @@
 from ...model.deprecated import deprecated_function
 from .analysis import checked_workspace, workspace
 from .control import input_singularities
-from .dexterity import Dexterity, dexterity
-from .dexterity_field import workspace_field
+from .dexterity import Dexterity, dexterity, workspace_field
 from .regions.mapping import WorkspaceMap
 from .volumes.extremes import workspace_range
 from .volumes.shape_derivatives import area_gradient, distance_gradient, end_gradient, volume_gradient

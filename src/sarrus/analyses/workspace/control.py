@@ -17,7 +17,7 @@ from ...system import System
 from ..arguments import refuse_for_positions
 from ..progress import Progress
 from .problem.arguments import functions, measures
-from .problem.formulation import Limits, formulate
+from .problem.formulation import Limits, formulate, refuse_inputs
 from .problem.rows import Problem
 from .problem.watch import POINTS, stopped, watched
 from .regions.arc import Arc
@@ -127,12 +127,9 @@ def _refuse_counts(problem: Problem, inputs: int) -> None:
         raise SarrusError(
             f"output: singular curves require two outputs, got {len(problem.outputs)}. Name two."
         )
-    freedoms, name = problem.freedoms + len(problem.fixed) - len(problem.locked), problem.system.name
-    if inputs != freedoms:
-        message = f"{name}: {freedoms} degrees of freedom, but {inputs} inputs"
-        raise SarrusError(f"{message}. Give as many inputs.")
+    refuse_inputs(problem, inputs, problem.unfixed)
     if problem.freedoms != 2:
-        message = f"{name}: {problem.freedoms} degrees of freedom beside what is fixed"
+        message = f"{problem.system.name}: {problem.freedoms} degrees of freedom beside what is fixed"
         raise SarrusError(f"{message}. Fix functions until two are left, so that singularities are curves.")
 
 

@@ -7,9 +7,8 @@ from typing import Any, Literal
 
 from ...algebra import Array
 from ...deferred import renderer
-from ..result import Result
 from ..saving.exported_file import write_table
-from .workspace import Status
+from .workspace import MapResult, Status
 
 Lost = Literal["inputs", "outputs"]
 
@@ -35,7 +34,7 @@ class SingularCurve:
 
 
 @dataclass(frozen=True)
-class InputSingularities(Result):
+class InputSingularities(MapResult):
     """Result of `input_singularities`: curves of singular configurations.
 
     Attributes
@@ -56,11 +55,6 @@ class InputSingularities(Result):
     units: tuple[str, ...]
     input_units: tuple[str, ...]
     input_limits: tuple[tuple[float, float], ...]
-
-    @property
-    def success(self) -> bool:
-        """Whether all curves are complete."""
-        return self.status == "mapped"
 
     def to_csv(self, path: Any) -> None:
         """Write all curves as a table: curve, what is lost, outputs, inputs."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
@@ -68,6 +68,17 @@ Status = Literal["mapped", "incomplete", "time limit", "stopped"]
 CurveKind = Literal["outer", "void", "barrier", "crossable"]
 
 
+class MapResult(Result):
+    """Base of results of workspace analyses, which may be incomplete."""
+
+    status: Status
+
+    @property
+    def success(self) -> bool:
+        """Whether the result is complete."""
+        return self.status == "mapped"
+
+
 def places(points: ArrayLike) -> Array:
     """Points as an array (k, 2).
 
@@ -76,19 +87,15 @@ def places(points: ArrayLike) -> Array:
     SarrusError
         If they are no pairs of finite numbers.
     """
+    message, example = "points: an array (k, 2) of pairs of finite numbers is needed", "Pass [(x, y), ...]"
     try:
         found = np.atleast_2d(np.asarray(points, dtype=float))
     except (TypeError, ValueError):
-        raise SarrusError(
-            f"points: an array of pairs of numbers is needed, not {points!r}. Pass [(x, y), ...]."
-        ) from None
+        raise SarrusError(f"{message}, not {points!r}. {example}.") from None
     if not found.size:
         return np.zeros((0, 2))
     if found.ndim != 2 or found.shape[1] != 2 or not np.isfinite(found).all():
-        raise SarrusError(
-            f"points: an array of pairs of finite numbers is needed, shape (k, 2), not {found.shape}. "
-            "Pass [(x, y), ...]."
-        )
+        raise SarrusError(f"{message}, not {found.shape}. {example}.")
     return found
 
 
@@ -198,8 +205,10 @@ class Verification:
         message = [
             f"{self.outside} of {self.samples} random admissible positions are outside.",
             f"{self.known_rays} of {self.rays} rays ended on known curves.",
-            *self._crossed(),
         ]
+        if self.crossings:
+            crossed = f"{self.known_crossings} of {self.crossings} crossings of singular curves"
+            message.append(f"{crossed} were of known ones.")
         if self.found_late:
             many = ("curves", "they are") if self.found_late > 1 else ("curve", "it is")
             message.append(f"The tests found {self.found_late} missing {many[0]}; {many[1]} traced now.")
@@ -208,13 +217,9 @@ class Verification:
         )
         return " ".join(message)
 
-    def _crossed(self) -> Iterator[str]:
-        if self.crossings:
-            yield f"{self.known_crossings} of {self.crossings} crossings of singular curves were of known ones."
-
 
 @dataclass(frozen=True)
-class Workspace(Result):
+class Workspace(MapResult):
     """Result of `workspace`: the region that two outputs can reach.
 
     Attributes
@@ -248,11 +253,6 @@ class Workspace(Result):
     map: object = field(default=None, repr=False, compare=False)
 
     @property
-    def success(self) -> bool:
-        """Whether the result is complete."""
-        return self.status == "mapped"
-
-    @property
     def boundary(self) -> tuple[BoundaryCurve, ...]:
         """The curves of the outer boundary and of voids."""
         return tuple(curve for curve in self.curves if curve.kind in ("outer", "void") and not curve.again)
@@ -264,11 +264,8 @@ class Workspace(Result):
     def contains(self, points: ArrayLike) -> Array:
         """Return which points (k, 2) can be reached, to the accuracy of the boundary (1e-7 of the size)."""
         if not self.success:
-            announce(
-                [
-                    f"{self.name}: the map is not complete, so that places may be classified wrongly. See its message."
-                ]
-            )
+            message = "the map is not complete, so that places may be classified wrongly"
+            announce([f"{self.name}: {message}. See its message."])
         loops = [loop for part in self.components for loop in part.loops]
         off = TRACED * max((float(np.ptp(loop, axis=0).max()) for loop in loops), default=0.0)
         lines = [finely(curve, 0.1 * off) for part in self.components for curve in part.curves]
@@ -300,13 +297,8 @@ class Workspace(Result):
             columns[f"inward_{n + 1}"] = Column(("point",), inward[:, n])
         columns["kind"] = flags(get_args(CurveKind), [curve.kind for curve in curves], "curves")
         columns["cause"] = flags(causes, [curve.cause for curve in curves], "curves")
-        facts: Attributes = {
-            "title": self.name,
-            "status": self.status,
-            "area": self.area,
-            "area_error": self.area_error,
-        }
-        write_netcdf(path, columns, facts)
+        facts: Attributes = {"area": self.area, "area_error": self.area_error}
+        write_netcdf(path, columns, {"title": self.name, "status": self.status, **facts})
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draw the workspace; see `sarrus.views.plot_workspace`."""

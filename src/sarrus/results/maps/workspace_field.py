@@ -11,10 +11,9 @@ from ...algebra import Array
 from ...deferred import renderer
 from ...model import ModelError
 from ...model.show import show
-from ..result import Result
 from ..saving.exported_file import exports, write_table
 from ..saving.netcdf import Column, write_netcdf
-from .workspace import Status, Workspace
+from .workspace import MapResult, Status, Workspace
 
 Quantity = Literal[
     "solutions",
@@ -35,7 +34,7 @@ MEANINGS: dict[Quantity, str] = {
 
 
 @dataclass(frozen=True)
-class WorkspaceField(Result):
+class WorkspaceField(MapResult):
     """Result of `workspace_field`: quantities on a grid, nan outside of the workspace.
 
     Attributes
@@ -58,11 +57,6 @@ class WorkspaceField(Result):
     positions: int
     missed: int
     status: Status = "mapped"
-
-    @property
-    def success(self) -> bool:
-        """Whether positions were found at all places inside the boundary."""
-        return self.status == "mapped"
 
     @property
     def name(self) -> str:
@@ -101,19 +95,18 @@ class WorkspaceField(Result):
 
     def summary(self) -> str:
         """The result in words."""
+        inside = np.count_nonzero(np.isfinite(next(iter(self.values.values()))))
         lines = [
             f"{self.name}: a grid of {len(self.x)} x {len(self.y)} places, {self.positions} positions of the "
-            f"mechanism, on {self._cells()} places inside the boundary."
+            f"mechanism, on {inside} places inside the boundary."
         ]
         for quantity, values in self.values.items():
             known = values[np.isfinite(values)]
             if len(known):
                 message = f"from {known.min():.4g} to {known.max():.4g}, median {np.median(known):.4g}"
                 message = f"{known.min():.4g} everywhere" if known.min() == known.max() else message
-                lines.append(f"{self.meaning(quantity)[0].upper()}{self.meaning(quantity)[1:]}: {message}.")
+                meaning = self.meaning(quantity)
+                lines.append(f"{meaning[0].upper()}{meaning[1:]}: {message}.")
         if self.missed:
             lines.append(f"At {self.missed} places inside the boundary no position was found.")
         return "\n".join(lines)
-
-    def _cells(self) -> int:
-        return int(np.isfinite(next(iter(self.values.values()))).sum())

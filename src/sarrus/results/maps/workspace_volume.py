@@ -16,7 +16,7 @@ from ...outputs.units import product
 from ..result import Result
 from ..saving.exported_file import exports, write_table
 from ..saving.netcdf import Column, flags, write_netcdf
-from .workspace import Status, beyond, inside
+from .workspace import MapResult, Status, beyond, inside
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class CriticalValue:
 
 
 @dataclass(frozen=True)
-class WorkspaceRange(Result):
+class WorkspaceRange(MapResult):
     """Result of `workspace_range`: the values that one output can reach.
 
     Attributes
@@ -66,11 +66,6 @@ class WorkspaceRange(Result):
     status: Status
     message: str
     search: object = field(default=None, repr=False, compare=False)
-
-    @property
-    def success(self) -> bool:
-        """Whether the result is complete."""
-        return self.status == "mapped"
 
     def headline(self) -> str:
         """The intervals, without causes and tests."""
@@ -208,7 +203,7 @@ class VolumeRates:
 
 
 @dataclass(frozen=True)
-class WorkspaceVolume(Result):
+class WorkspaceVolume(MapResult):
     """Result of `workspace_volume`: the region that three outputs can reach.
 
     Attributes
@@ -248,11 +243,6 @@ class WorkspaceVolume(Result):
     def unit(self) -> str:
         """The unit of the volume."""
         return product(*((unit, 1) for unit in self.units))
-
-    @property
-    def success(self) -> bool:
-        """Whether the result is complete."""
-        return self.status == "mapped"
 
     @exports
     def to_obj(self, path: Any) -> None:

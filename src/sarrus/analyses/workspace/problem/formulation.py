@@ -303,3 +303,16 @@ def _slopes(problem: Problem, q: Array) -> Array:
     U = J[problem.m + problem.outputs]
     lengths = np.linalg.norm(U, axis=1, keepdims=True)
     return np.asarray(U @ Z / np.where(lengths > 0, lengths, 1.0))
+
+
+def refuse_inputs(problem: Problem, inputs: int, *allowed: int) -> None:
+    """Refuse so many inputs, unless that many are allowed, the degrees of freedom first.
+
+    Raises
+    ------
+    SarrusError
+    """
+    if inputs not in allowed:
+        given = "1 input is" if inputs == 1 else f"{inputs} inputs are"
+        message = f"{problem.system.name}: {allowed[0]} degrees of freedom, but {given} given"
+        raise SarrusError(f"{message}. Give as many inputs.")

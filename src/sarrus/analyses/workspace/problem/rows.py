@@ -54,7 +54,7 @@ class Problem:
     Attributes
     ----------
     n, m : scaled coordinates; rows before the functions
-    freedoms : degrees of freedom that are left
+    freedoms, unfixed : degrees of freedom that are left; those without fixed values
     of_outputs : whether the outputs' gradients become dependent, and not those of the inputs
     """
 
@@ -74,6 +74,7 @@ class Problem:
         system = self.system
         self.n, self.m = system.nq, len(self.independent)
         self.freedoms = self.n - self.m - len(self.fixed)
+        self.unfixed = self.freedoms + len(self.fixed) - len(self.locked)
         self.units = np.array([self._unit(k) for k in range(len(self.table))])
         self.scale = np.tile([self.size] * 3 + [1.0] * 4, len(system.bodies))
         self.output_angles = np.array([self.table[k].kind == "angle" for k in self.outputs], dtype=bool)

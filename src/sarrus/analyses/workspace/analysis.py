@@ -180,17 +180,7 @@ def _round(map_: WorkspaceMap, drawn: Draw) -> Verification:
     for n in outside[:20]:
         map_.look_around(positions[n])
     known, crossed = _known(map_, ends), _known(map_, crossings)
-    return Verification(
-        len(u),
-        len(outside),
-        len(ends),
-        known,
-        len(crossings),
-        crossed,
-        1,
-        0,
-        SAME * p.size,
-    )
+    return Verification(len(u), len(outside), len(ends), known, len(crossings), crossed, 1, 0, SAME * p.size)
 
 
 def _parts(seed: int, samples: int, rays: int) -> Iterator[Part]:

@@ -90,17 +90,17 @@ def _dexterity(problem: Problem, q: Array, inputs: Array) -> Dexterity:
     free = problem.n - len(rows)
     Z = singular(J[rows])[2][problem.n - free :].T
     U, V = (J[problem.m + k] @ Z * problem.units[k][:, None] for k in (problem.outputs, inputs))
-    found = U @ _inverse(V)
+    found = U @ _inverse(V, np.finfo(float).eps * max(V.shape))[0]
     sizes = singular(found)[1]
     condition = float(sizes[0] / sizes[-1]) if sizes[-1] > 0 else np.inf
     return Dexterity(found, float(np.prod(sizes)), condition)
 
 
-def _inverse(matrix: Array) -> Array:
-    """The pseudoinverse, as of `np.linalg.pinv`."""
+def _inverse(matrix: Array, tolerance: float) -> tuple[Array, Array]:
+    """The pseudoinverse, and the directions that leave all rows as they are; smaller singular values are zero."""
     left, sizes, right = singular(matrix)
-    k = np.flatnonzero(sizes > np.finfo(float).eps * max(matrix.shape) * sizes.max(initial=0.0))
-    return np.asarray(right[k].T / sizes[k] @ left[:, k].T)
+    k = np.flatnonzero(sizes > tolerance * sizes.max(initial=0.0))
+    return np.asarray(right[k].T / sizes[k] @ left[:, k].T), right[len(matrix) :]
 
 
 CELLS = {2: 60, 3: 30}
@@ -336,7 +336,7 @@ class Flood:
         while self._open:
             reached(self._filled, COUNTED)
             k, q = self._open.popleft()
-            inverse, still = self._inverse(q)
+            inverse, still = _inverse(self.problem.jacobian(q)[self._rows], DEPENDENT)
             for other in self.neighbours[k]:
                 step = inverse[:, -self.places.shape[1] :] @ (self.places[other] - self.places[k])
                 near = max(0.5 * float(np.linalg.norm(step)), self._apart)
@@ -385,13 +385,6 @@ class Flood:
         away = _distances(np.array(self.at[k]), q)
         nearest = int(np.argmin(away))
         return self.at[k][nearest] if away[nearest] < near else None
-
-    def _inverse(self, q: Array) -> tuple[Array, Array]:
-        """The least motion for changes of all rows, and the motions that change none."""
-        left, sizes, right = singular(self.problem.jacobian(q)[self._rows])
-        good = sizes > DEPENDENT * sizes[0]
-        inverse = (right[: len(sizes)].T[:, good] / sizes[good]) @ left.T[good]
-        return inverse, right[len(self._rows) :]
 
 
 def _distances(known: Array, q: Array) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
-from typing import Any, NamedTuple, get_args
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -71,7 +71,9 @@ def plot_workspace(
     ImportError
         If Matplotlib is not installed.
     """
-    refuse_kinds(kinds)
+    unknown = [kind for kind in kinds if kind not in STYLES]
+    if unknown:
+        raise SarrusError(f"there are no curves of kind {quote(unknown[0])}. {suggest(unknown[0], STYLES)}")
     ax = plot_axes(ax, 7.5, 7.0)
     _fill(ax, found)
     draw_curves(ax, found, kinds, arrows)
@@ -83,15 +85,8 @@ def plot_workspace(
         if found.success
         else f"map not complete ({found.status})"
     )
-    title = f"{found.name}: {text}"
-    ax.set_title(title, loc="left", fontsize=10)
+    ax.set_title(f"{found.name}: {text}", loc="left", fontsize=10)
     return ax
-
-
-def refuse_kinds(kinds: Sequence[CurveKind]) -> None:
-    unknown = [kind for kind in kinds if kind not in STYLES]
-    if unknown:
-        raise SarrusError(f"there are no curves of kind {quote(unknown[0])}. {suggest(unknown[0], STYLES)}")
 
 
 def draw_curves(
@@ -186,21 +181,14 @@ def _chosen(found: Workspace, count: int) -> list[Array]:
 GHOST = "#4b5058"
 
 
-class _Line(NamedTuple):
-    """Between two points in space; of a body, or a length without one."""
-
-    ends: Array
-    body: bool
-
-
 def draw_ghost(ax: Any, found: Workspace, q: Array) -> None:
     """The mechanism at a position, where the outputs are coordinates of a point, which is marked."""
     axes = ["xyz".find(name[-1]) for name in found.outputs]
     if found.map is None or min(axes) < 0 or set(found.units) != {"m"}:
         return
     style = {"color": GHOST, "alpha": 0.55, "marker": "o", "markersize": 2.5}
-    for line in _lines(map_of(found).problem, q):
-        ax.plot(*line.ends[:, axes].T, **style, linewidth=1.6 if line.body else 0.8)
+    for ends, width in _lines(map_of(found).problem, q):
+        ax.plot(*ends[:, axes].T, **style, linewidth=width)
     ax.plot(*_outputs(found, q), marker="o", markersize=5, color=GHOST)
 
 
@@ -209,8 +197,8 @@ def _outputs(found: Workspace, q: Array) -> Array:
     return np.asarray(p.values(q / p.scale)[p.m + p.outputs] * p.units[p.outputs])
 
 
-def _lines(problem: Any, q: Array) -> Iterator[_Line]:
-    """Bodies as lines between the points at which they are held, and lengths between their ends."""
+def _lines(problem: Any, q: Array) -> Iterator[tuple[Array, float]]:
+    """Bodies as lines between the points at which they are held, and lengths between their ends, with their widths."""
     points: dict[int, list[Array]] = {}
     for placed in blueprint(problem.system.model).placed:
         if placed.element.rows:
@@ -219,15 +207,15 @@ def _lines(problem: Any, q: Array) -> Iterator[_Line]:
     for measure in problem.table:
         ends = [place for _, place in _places(measure.placed, q)]
         if measure.kind == "square":
-            for body, place in _places(measure.placed, q):
+            for body, place in zip(measure.placed.bodies, ends, strict=False):
                 points.setdefault(body, []).append(place)
-            yield _Line(np.array(ends), False)
+            yield np.array(ends), 0.8
         elif ends:
             points.setdefault(measure.placed.bodies[-1], []).append(ends[-1])
     for body, held in points.items():
         if body:
             different = [p for n, p in enumerate(held) if all(np.linalg.norm(p - o) > 1e-9 for o in held[:n])]
-            yield from (_Line(np.array(pair), True) for pair in combinations(different, 2))
+            yield from ((np.array(pair), 1.6) for pair in combinations(different, 2))
 
 
 def _places(placed: Any, q: Array) -> Iterator[tuple[int, Array]]:

@@ -107,16 +107,11 @@ class Problem:
         self.row_scale, inverse, count = self._row_scales(), 1 / self.units, len(self.table)
         place_of = np.full(system.m, -1)
         place_of[self.independent] = np.arange(self.m)
-        rows = (
-            (system, self.independent, self.row_scale[self.independent]),
-            (self.functions, np.arange(count), inverse),
-        )
-        places = (
-            (system, place_of, self.row_scale),
-            (self.functions, self.m + np.arange(count), inverse),
-        )
-        self._Phi = [Vector(of, "Phi", *chosen) for of, *chosen in rows]
-        self._gamma = [Vector(of, "gamma", *chosen) for of, *chosen in rows]
+        chosen = self.row_scale[self.independent]
+        rows = ((system, self.independent, chosen), (self.functions, np.arange(count), inverse))
+        places = ((system, place_of, self.row_scale), (self.functions, self.m + np.arange(count), inverse))
+        self._Phi = [Vector(of, "Phi", at, factor) for of, at, factor in rows]
+        self._gamma = [Vector(of, "gamma", at, factor) for of, at, factor in rows]
         self._Phi_q = [Matrix(of, "Phi_q", at, row, self.scale) for of, at, row in places]
         self._second, self._third = (
             [Matrix(of, name, every, self.scale, self.scale) for of, *_ in places]

@@ -82,13 +82,8 @@ def drawn_in(
         width = problem.bounds[i, 1] - problem.bounds[i, 0]
         width = np.where(np.isfinite(width), width, 1.0)
         inside = problem.bounds[i, end] + (1 - 2 * end) * width * 10 ** (-DECADES * random.random(len(i)))
-        found = settle(
-            problem,
-            q,
-            np.concatenate([rows, problem.m + problem.limited[i]]),
-            np.concatenate([goal, inside]),
-            steps=15,
-        )
+        reached = np.concatenate([rows, problem.m + problem.limited[i]])
+        found = settle(problem, q, reached, np.concatenate([goal, inside]), steps=15)
         if found is None:
             return None
         q = found

@@ -177,13 +177,10 @@ def _crossings(pieces: list[Piece]) -> dict[int, list[float]]:
 def _polish(one: Arc, other: Arc, a: float, b: float) -> tuple[float, float] | None:
     """Newton's method on one(a) = other(b); only true crossings away from the ends."""
     for _ in range(12):
-        gap = other.point(b) - one.point(a)
-        matrix = np.column_stack([one.slope(a), -other.slope(b)])
-        sizes = np.linalg.norm(matrix, axis=0)
-        sine = abs(np.linalg.det(matrix)) / max(float(sizes.prod()), 1e-300)
-        if sine < SLANT:
+        d, e = one.slope(a), other.slope(b)
+        if _sine(d, e) < SLANT:
             return None
-        step = np.linalg.solve(matrix, gap)
+        step = np.linalg.solve(np.column_stack([d, -e]), other.point(b) - one.point(a))
         a, b = float(a + np.clip(step[0], -0.5, 0.5)), float(b + np.clip(step[1], -0.5, 0.5))
         if not (-0.2 < a < one.end + 0.2 and -0.2 < b < other.end + 0.2):
             return None
@@ -196,10 +193,14 @@ def _polish(one: Arc, other: Arc, a: float, b: float) -> tuple[float, float] | N
 
 def _touches_at_end(one: Arc, other: Arc, a: float, b: float) -> bool:
     """Whether curves only seem to cross, beside a common end at which they touch."""
-    p, d, e = one.point(a), one.slope(a), other.slope(b)
+    p = one.point(a)
     away = min(_distance(arc.point(at), p) for arc in (one, other) for at in (0.0, arc.end))
-    sine = abs(float(d[0] * e[1] - d[1] * e[0])) / max(float(np.linalg.norm(d) * np.linalg.norm(e)), 1e-300)
-    return away < 0.01 and sine < SHARPEST * away
+    return away < 0.01 and _sine(one.slope(a), other.slope(b)) < SHARPEST * away
+
+
+def _sine(d: Array, e: Array) -> float:
+    """The sine of the angle between two directions, without its sign."""
+    return abs(float(d[0] * e[1] - d[1] * e[0])) / max(float(np.linalg.norm(d) * np.linalg.norm(e)), 1e-300)
 
 
 def _joined(pieces: list[Piece]) -> Division:

@@ -87,7 +87,10 @@ def places(points: ArrayLike) -> Array:
     SarrusError
         If they are no pairs of finite numbers.
     """
-    message, example = "points: an array (k, 2) of pairs of finite numbers is needed", "Pass [(x, y), ...]"
+    message, example = (
+        "points: an array of pairs of finite numbers is needed, shape (k, 2)",
+        "Pass [(x, y), ...]",
+    )
     try:
         found = np.atleast_2d(np.asarray(points, dtype=float))
     except (TypeError, ValueError):

@@ -9,7 +9,7 @@ from benchmarks.workspace_attack import Hinges
 import sarrus as sr
 from sarrus.analyses.workspace.regions.mapping import WorkspaceMap
 from sarrus.analyses.workspace.tracing.starts import Start
-from sarrus.analyses.workspace.volumes.slicing import ROUNDS, Job, Slicer, _left_out
+from sarrus.analyses.workspace.volumes.slicing import ROUNDS, Job, Slicer, _left_out, _loops
 
 from .mechanisms import spatial_arm
 
@@ -21,7 +21,8 @@ TIP = (D2 + D3 + D4, R2, 0)
 
 def slicer() -> Slicer:
     system, output, _ = spatial_arm(PLACES, AXES, TIP)
-    return Slicer(system, Job(system.model, output, {}, {}, 0, 0.35, 0.0, 4.6, False), [], None)
+    job = Job(system.model, output[:2], {}, {output[2]: 0.0}, 0, 0.35, False)
+    return Slicer(job.problem(system), job, [], None)
 
 
 def test_a_slice_that_leaves_out_its_neighbours_boundary_is_made_again() -> None:
@@ -47,11 +48,11 @@ def test_positions_of_a_neighbour_that_a_new_slice_leaves_out_are_found() -> Non
     system, output, _ = spatial_arm(PLACES, AXES, TIP)
     map_ = WorkspaceMap(system, output[:2], fixed={output[2]: 1.5}).run()
     starts = [Start(one.stratum.key, one.points[len(one.points) // 2].x) for one in map_.branches]
-    assert not _left_out(map_, starts)
+    assert not _left_out(map_.problem, _loops(map_.region()), starts)
     sizes = [np.linalg.norm(one.points[0].u) for one in map_.branches]
     outermost = [one for one, size in zip(map_.branches, sizes, strict=True) if size > 0.99 * max(sizes)]
     map_.explorer.branches = [one for one in map_.explorer.branches if one not in outermost]
-    assert len(_left_out(map_, starts)) == len(outermost)
+    assert len(_left_out(map_.problem, _loops(map_.region()), starts)) == len(outermost)
 
 
 def test_a_position_outside_makes_a_map_incomplete() -> None:

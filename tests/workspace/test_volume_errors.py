@@ -77,7 +77,9 @@ class Sections:
         return found
 
     def _slice(self, z: float) -> Any:
-        return SimpleNamespace(height=z, area=self.arm.area(z), area_error=0.0, success=True, rates=None)
+        return SimpleNamespace(
+            height=z, area=self.arm.area(z), area_error=0.0, success=True, rates=None, kinked=0.0
+        )
 
     def reconcile(self) -> bool:
         return False

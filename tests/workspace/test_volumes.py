@@ -17,7 +17,7 @@ from sarrus.analyses.workspace.problem.formulation import formulate
 from sarrus.analyses.workspace.regions.mapping import WorkspaceMap
 from sarrus.analyses.workspace.volumes.quadrature import FIRST, Integral
 from sarrus.analyses.workspace.volumes.slicing import _height_of, _on_curve
-from sarrus.analyses.workspace.volumes.volume import _missed
+from sarrus.analyses.workspace.volumes.volume import positions_outside
 from sarrus.results.maps.workspace_volume import Slice
 
 from .mechanisms import Case, about, delta, elbow_arm, gough, orthogonal_arm, puma, tilted, translated
@@ -131,7 +131,11 @@ def test_a_range_that_is_cut() -> None:
     [
         (("tool.x", "tool.y"), {}, "a volume has three outputs"),
         (("tool.x",) * 3, {"rtol": 0.0}, "rtol: must be"),
-        (("tool.x",) * 3, {"between": (1.0, 0.0)}, "between: must rise, got 1 to 0"),
+        (
+            ("tool.x",) * 3,
+            {"between": (1.0, 0.0)},
+            r"between: must be two values that rise, got \(1\.0, 0\.0\)",
+        ),
     ],
 )
 def test_misuse(output: tuple[str, ...], options: dict[str, Any], told: str) -> None:
@@ -302,9 +306,11 @@ def test_rates_where_slices_are_empty() -> None:
 
 
 def test_positions_at_heights_that_were_missed_are_outside() -> None:
-    positions = [(np.zeros(2), z, np.zeros(0)) for z in (0.5, 1.01, 1.5, 2.5)]
-    assert [_missed(positions, [(0, 1), (2, 3)], between, 0.1) for between in (None, (0, 1.2))] == [1, 0]
-    assert _missed(positions, [], (1, 2), 0.1) == 2
+    u = np.array([(0.0, 0.0, z) for z in (0.5, 1.0005, 1.5, 2.5)])
+    slicer: Any = SimpleNamespace(around=lambda z: [SimpleNamespace(holds=lambda u: True)], at=list)
+    ranges = [(0, 1), (2, 3)]
+    assert [positions_outside(u, slicer, ranges, between) for between in (None, (0, 1.2))] == [1, 0]
+    assert positions_outside(u, slicer, [], (1, 2)) == 2
 
 
 @pytest.mark.slow

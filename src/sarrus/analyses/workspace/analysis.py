@@ -18,7 +18,7 @@ from ...system import System
 from ..arguments import refuse_for_positions
 from ..progress import Progress
 from .problem.formulation import Limits, formulate
-from .problem.random_positions import WALK, Samples
+from .problem.random_positions import Samples
 from .problem.rows import Problem
 from .problem.watch import POINTS, stopped, watched
 from .regions.mapping import REPEATS, ROUNDS, Asked, WorkspaceMap, map_of
@@ -215,8 +215,7 @@ def _draw(problem: Problem, part: Part) -> Draw:
     positions: list[Array] = []
     crossings: list[Start] = []
     changing = can_change(problem)
-    while len(positions) < part.samples and (q := next(samples, None)) is not None:
-        walk = [q, *samples.walks(q, min(WALK, part.samples - len(positions) - 1))]
+    for walk in samples.walks(part.samples):
         positions += walk
         if changing:
             crossings += islice(changes_along(problem, walk), part.rays - len(crossings))

@@ -16,8 +16,9 @@ from .watch import check
 
 LEAPS, LEAP = 6, 1.6  # of the opened mechanism, for each of its freedoms, free of units
 STRIDE, STRIDES = 0.8, 3  # of a walk, free of units
-WALK = 20  # positions of a walk from each assembled one
+WALK = 21  # positions of a walk, with the assembled one from which it starts
 TRIES = 80  # per position that is found
+KNOWN = 60  # positions from which walks start
 
 
 class Samples:
@@ -26,10 +27,6 @@ class Samples:
     Some are assembled from random guesses, so that all assembly modes are found, half of them where guesses succeed;
     the others are walked to from a position found before. Positions with axes turned round are left out, see
     `Handedness`.
-
-    Attributes
-    ----------
-    tried, found : how many were tried, how many were admissible
     """
 
     def __init__(self, problem: Problem, seed: int | tuple[int, int] = 0) -> None:
@@ -39,7 +36,6 @@ class Samples:
         self._tree = np.flatnonzero(np.isin(problem.independent, tree_rows(problem.system)))
         drawn = settle(problem, self._near, self._rows, self._goal)
         self._known = [] if drawn is None else [drawn]
-        self.tried = self.found = 0
         self._guesses, self._good = 2, 1
 
     def __iter__(self) -> Iterator[Array]:
@@ -48,13 +44,10 @@ class Samples:
     def __next__(self) -> Array:
         for _ in range(TRIES):
             check()
-            self.tried += 1
             q = self._one()
             if q is not None:
-                self.found += 1
-                self._known[
-                    self._random.integers(0, 60) if len(self._known) >= 60 else len(self._known) :
-                ] = [q]
+                full = len(self._known) >= KNOWN
+                self._known[self._random.integers(0, KNOWN) if full else len(self._known) :] = [q]
                 return q
         raise StopIteration
 
@@ -81,13 +74,17 @@ class Samples:
             q = q if there is None else there
         return q
 
-    def walks(self, q: Array, count: int) -> Iterator[Array]:
-        """Admissible positions of a random walk from one of them: cheaper, but neighbours are related."""
-        for _ in range(count):
-            there = self._stride(q, STRIDE * float(self._random.random()))
-            if there is not None and allowed(self._problem, there) and self._problem.built(there):
-                q = there
-            yield q
+    def walks(self, count: int, length: int = WALK) -> Iterator[list[Array]]:
+        """So many admissible positions, in random walks from one each: cheaper, but neighbours are related."""
+        while count > 0 and (q := next(self, None)) is not None:
+            walk = [q]
+            while len(walk) < min(length, count):
+                there = self._stride(q, STRIDE * float(self._random.random()))
+                if there is not None and allowed(self._problem, there) and self._problem.built(there):
+                    q = there
+                walk.append(q)
+            yield walk
+            count -= len(walk)
 
     def _walked(self) -> Array | None:
         """Return a position from a random walk that starts at a known one."""
@@ -119,24 +116,13 @@ class Samples:
 
 def tree_rows(system: System) -> Array:
     """Rows of Φ of joints that close no loop, in the model's order, and of the Euler parameters."""
-    parent = list(range(len(system.bodies) + 1))
-    pattern, found = system.pattern("Phi_q"), [np.flatnonzero(normalizations(system))]
+    part = np.arange(len(system.bodies) + 1)  # by body, the ground first: what joints connect so far
+    pattern, found = system.Phi_q(system.q0), [np.flatnonzero(normalizations(system))]
     for joint in system.model.joints:
         rows = system.rows.get(joint.name, np.zeros(0, dtype=int))
-        columns = np.concatenate(
-            [pattern.indices[pattern.indptr[r] : pattern.indptr[r + 1]] for r in rows] or [rows]
-        )
-        bodies = {int(column) // WIDTH + 1 for column in columns}
-        bodies |= {0} if len(bodies) == 1 else set()
-        roots = {_root(parent, body) for body in bodies}
-        if len(roots) == len(bodies):
+        bodies = np.unique(pattern[rows].indices // WIDTH + 1)
+        ends = part[bodies if len(bodies) != 1 else [0, *bodies]]
+        if len(np.unique(ends)) == len(ends):
             found.append(rows)
-            for root in roots:
-                parent[root] = min(roots)
+            part[np.isin(part, ends)] = min(ends, default=0)
     return np.sort(np.concatenate(found)).astype(int)
-
-
-def _root(parent: list[int], body: int) -> int:
-    while parent[body] != body:
-        body = parent[body]
-    return body

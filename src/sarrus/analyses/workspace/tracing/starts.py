@@ -216,12 +216,8 @@ def can_change(problem: Problem) -> bool:
 
 def changes(problem: Problem, seed: int) -> Iterator[Start]:
     """Points of singular curves without active limits, on random walks."""
-    samples = Samples(problem, seed)
-    for _ in range(WALKS):
-        q = next(samples, None)
-        if q is None:
-            return
-        yield from changes_along(problem, [q, *samples.walks(q, WALK)])
+    for walk in Samples(problem, seed).walks(WALKS * WALK):
+        yield from changes_along(problem, walk)
 
 
 def changes_along(problem: Problem, walk: Sequence[Array]) -> Iterator[Start]:

@@ -140,9 +140,7 @@ class Extremes(StartSearch):
     def _one(self, start: Start) -> CriticalValue:
         p, stratum = self.problem, Stratum(self.problem, start.key)
         seen, q = examine(stratum, start.x), start.x[: self.problem.n]
-        active = tuple(
-            f"{p.table[p.limited[i]].name} {('lowest', 'highest')[end]}" for i, end in stratum.active
-        )
+        active = tuple(limit_names(p, stratum.active))
         side = int(seen.side * np.sign(start.x[-1]))
         value = self._value(q) * p.units[p.outputs[0]]
         return CriticalValue(float(value), side, active, stratum.dimension > 0, q * p.scale, seen.sure)
@@ -160,6 +158,11 @@ class Extremes(StartSearch):
         target, random = np.array([0.5 * (low + high) / unit]), np.random.default_rng(self.seed)
         doubtful = not all(c.sure for c in (*below, *above))
         return doubtful and reach(self.problem, target, np.array(self.met), random) is not None
+
+
+def limit_names(problem: Problem, active: Iterable[tuple[int, int]]) -> list[str]:
+    """Active limits by name, such as "q1.angle lowest"."""
+    return [f"{problem.table[problem.limited[i]].name} {('lowest', 'highest')[end]}" for i, end in active]
 
 
 def distinct(values: Iterable[float], near: float) -> list[float]:

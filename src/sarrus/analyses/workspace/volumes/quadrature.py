@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import Chebyshev
 
 from ....algebra import Array
-from ....results.maps.workspace_volume import Slice, VolumeRates, WorkspaceRange
+from ....results.maps.workspace_volume import VolumeRates, WorkspaceRange
 from .extremes import distinct
 from .slicing import NEARLY, Slicer
 
@@ -21,31 +22,40 @@ FIRST = (
 KINK = 4.0  # by which halving divides the error at a kink: pieces that converge no faster are cut
 
 
-@dataclass(eq=False)
-class Piece:
-    """A range of heights, with the number of intervals of theta: height = middle - half·cos(theta)."""
+class Piece(NamedTuple):
+    """A range of heights, with intervals of theta: height = middle - half·cos(theta)."""
 
     low: float
     high: float
-    count: int = FIRST
+    intervals: int
 
+    @property
     def heights(self) -> list[float]:
-        """Return the heights of the inner slices; those of half as many intervals are among them."""
-        middle, half = 0.5 * (self.low + self.high), 0.5 * (self.high - self.low)
-        return [middle - half * math.cos(theta) for theta in thetas(self.count)]
+        """The heights of the inner slices; those of half as many intervals are among them."""
+        turned: list[float] = np.cos(thetas(self.intervals)[1:-1]).tolist()
+        return [0.5 * (self.low + self.high) - 0.5 * (self.high - self.low) * x for x in turned]
 
+    @property
     def slopes(self) -> Array:
         """d(height)/d(theta) there."""
-        return 0.5 * (self.high - self.low) * np.sin(thetas(self.count))
+        return np.asarray(0.5 * (self.high - self.low) * np.sin(thetas(self.intervals)[1:-1]))
+
+    def refined(self, areas: Array, misses: Array) -> list[Piece]:
+        """Twice as many slices; two pieces with half of what is missed, if it converges as slowly as at a kink."""
+        if self.intervals == FIRST or KINK * misses.sum() <= missed(areas[1::2]).sum():
+            return [self._replace(intervals=2 * self.intervals)]
+        part = np.cumsum(misses)
+        cut = self.heights[int(np.searchsorted(part, 0.5 * part[-1]))]
+        return [Piece(self.low, cut, self.intervals // 2), Piece(cut, self.high, self.intervals // 2)]
 
 
-def thetas(count: int) -> list[float]:
-    """Inner points of the rule of Clenshaw and Curtis on 0 ... pi."""
-    return [0.5 * math.pi * (1 - math.cos(math.pi * k / count)) for k in range(1, count)]
+def thetas(count: int) -> Array:
+    """Points of the rule of Clenshaw and Curtis on 0 ... pi, with its ends."""
+    return np.asarray(0.5 * np.pi * (1 - np.cos(np.pi * np.arange(count + 1) / count)))
 
 
 def weights(count: int) -> Array:
-    """Return the weights of Fejér's second rule at these points."""
+    """Return the weights of Fejér's second rule at the inner points."""
     angle, odd = np.pi * np.arange(1, count) / count, np.arange(1, count, 2)
     sums = (np.sin(np.outer(angle, odd)) / odd).sum(axis=1)
     return np.asarray(0.5 * np.pi * 4 / count * np.sin(angle) * sums)
@@ -67,6 +77,7 @@ class Integral:
     ----------
     critical : those that separate pieces
     value, error : of the volume, so far
+    kinked : area of the boundary where derivatives have two sides
     rates, missed : derivatives by all numbers, if slices have any, and by how much half as many slices miss them
     """
 
@@ -87,99 +98,61 @@ class Integral:
         ]
         self.critical = [z for some in cuts for z in some[1:-1]]
         self.pieces = [Piece(a, b, first) for some in cuts for a, b in pairwise(some)]
-        self.value, self.error = 0.0, np.inf if self.pieces else 0.0
+        self.value, self.error, self.kinked = 0.0, np.inf if self.pieces else 0.0, 0.0
         self.rates = self.missed = np.zeros(0)
 
     def run(self) -> None:
         """Refine until the error is small enough or there are too many slices."""
-        while self._refined() or self._reconciled():
+        while self.pieces and self._refined():
             pass
 
-    def _reconciled(self) -> bool:
-        changed = self.slicer.reconcile()
-        self.error = np.inf if changed else self.error
-        return changed
-
     def _refined(self) -> bool:
-        """Estimate the integral, keep the best estimate, refine the pieces that are worst; whether there are any."""
-        if not self.pieces:
-            return False
-        self.slicer.at(z for piece in self.pieces for z in piece.heights())
-        sides = [self._rates(piece) for piece in self.pieces]
-        misses = [missed(each[:, 0]) for each in sides]
+        """Estimate the integral, refine the pieces that miss the most; whether there are any."""
+        self.slicer.at(z for piece in self.pieces for z in piece.heights)
+        while self.slicer.reconcile():
+            pass
+        columns = [self._columns(piece) for piece in self.pieces]
+        misses = [missed(each[:, 0]) for each in columns]
         errors = np.array([each.sum() for each in misses])
-        self._keep(sides, float(errors.sum()) + sum(self._of_slices(piece) for piece in self.pieces))
-        wanted, rest = self.rtol * abs(self.value), errors.sum()
-        if self.error <= wanted or len(self.slicer.known) >= self.most:
+        whole, half = (np.sum([integral(each, n) for each in columns], axis=0) for n in (1, 2))
+        self.value, self.error = float(whole[0]), float(errors.sum() + whole[1])
+        self.kinked, self.rates, self.missed = float(whole[2]), whole[3:], abs(whole[3:] - half[3:])
+        wanted, rest = self.rtol * abs(self.value), float(errors.sum())
+        if self.error <= wanted or rest <= 0.5 * wanted or len(self.slicer.known) >= self.most:
             return False
+        pieces = {k: [piece] for k, piece in enumerate(self.pieces)}
         for k in np.argsort(-errors).tolist():
-            if rest <= 0.5 * wanted:
-                break
-            self._refine(k, sides[k][:, 0], misses[k])
+            if rest > 0.5 * wanted:
+                pieces[k] = self.pieces[k].refined(columns[k][:, 0], misses[k])
             rest -= errors[k]
-        self.pieces = [piece for piece in self.pieces if piece.count]
-        return bool(errors.sum() > 0.5 * wanted)
+        self.pieces = [part for parts in pieces.values() for part in parts]
+        return True
 
-    def _keep(self, sides: Sequence[Array], error: float) -> None:
-        """Keep an estimate if it is better than those before: just after a cut it is not."""
-        if error < self.error:
-            whole, half = (np.sum([integral(each, n) for each in sides], axis=0) for n in (1, 2))
-            self.value, self.error = float(whole[0]), error
-            self.rates, self.missed = whole[1:], abs(whole - half)[1:]
-
-    def _refine(self, k: int, sides: Array, misses: Array) -> None:
-        """Twice as many slices; a piece that converges slowly, because of a kink, is cut there."""
-        piece = self.pieces[k]
-        if piece.count == FIRST or KINK * misses.sum() <= missed(sides[1::2]).sum():
-            piece.count *= 2
-            return
-        part = np.cumsum(misses)
-        kink = piece.heights()[int(np.searchsorted(part, 0.5 * part[-1]))]  # as much is missed below as above
-        self.pieces += [Piece(a, b, piece.count // 2) for a, b in ((piece.low, kink), (kink, piece.high))]
-        piece.count = 0
-
-    def _rates(self, piece: Piece) -> Array:
-        """dV/d(theta) of a piece at its inner points, and its derivatives (inner points, 1 + numbers)."""
-        slices = self.slicer.at(piece.heights())
-        every = [one.rates for one in self.slicer.known.values() if one.rates is not None]
-        none = np.zeros_like(every[0]) if every else np.zeros(0)  # of slices without any curve
-        rows = [np.append(one.area, none if one.rates is None else one.rates) for one in slices]
-        return np.array(rows) * piece.slopes()[:, None]
+    def _columns(self, piece: Piece) -> Array:
+        """Area, its error, kinked length and derivatives, by theta (inner points, 3 + numbers)."""
+        known = [one.rates for one in self.slicer.known.values() if one.rates is not None]
+        none = np.zeros_like(known[0]) if known else np.zeros(0)  # of slices without any curve
+        rows = []
+        for one in self.slicer.at(piece.heights):
+            error = one.area_error if one.success else np.inf
+            rows.append([one.area, error, one.kinked, *(none if one.rates is None else one.rates)])
+        return np.array(rows) * piece.slopes[:, None]
 
     def derivatives(self, reach: WorkspaceRange) -> VolumeRates:
         """Derivatives of the volume by all numbers; `reach`: those of critical heights."""
-        kinked = sum(
-            float(
-                weights(piece.count)
-                @ ([one.kinked for one in self.slicer.at(piece.heights())] * piece.slopes())
-            )
-            for piece in self.pieces
-        )
-        return VolumeRates(
-            self.rates, self.missed, kinked, tuple(self._jumps(reach)), self.slicer.problem, reach
-        )
+        jumps = tuple(self._jumps({one.value for one in reach.critical}))
+        return VolumeRates(self.rates, self.missed, self.kinked, jumps, self.slicer.problem, reach)
 
-    def _jumps(self, reach: WorkspaceRange) -> Iterator[tuple[float, float]]:
+    def _jumps(self, critical: Iterable[float]) -> Iterator[tuple[float, float]]:
         """Critical heights at which the area jumps, with the area below less that above."""
         largest = max((one.area for one in self.slicer.known.values()), default=0.0)
-        lost: dict[float, float] = {}
+        lost = Counter[float]()
         for piece in self.pieces:
-            areas = np.array([one.area for one in self.slicer.at(piece.heights())])
-            below, above = polynomial(thetas(piece.count), areas, [0.0, math.pi]).tolist()
-            lost[piece.low] = lost.get(piece.low, 0.0) - below
-            lost[piece.high] = lost.get(piece.high, 0.0) + above
-        values = {one.value for one in reach.critical}
-        yield from ((z, area) for z, area in lost.items() if z in values and abs(area) > NEARLY * largest)
-
-    def _of_slices(self, piece: Piece) -> float:
-        errors = [self._doubt(self.slicer.known[z]) for z in piece.heights()]
-        return float(weights(piece.count) @ (errors * piece.slopes()))
-
-    def _doubt(self, one: Slice) -> float:
-        """The error of a slice; one that is not complete may be as wrong as it differs from its neighbours."""
-        if one.success:
-            return one.area_error
-        return max((abs(one.area - other.area) for other in self.slicer.around(one.height)), default=np.inf)
+            areas = np.array([one.area for one in self.slicer.at(piece.heights)])
+            above, below = polynomial(thetas(piece.intervals)[1:-1], areas)(np.array([0.0, np.pi]))
+            lost[piece.low] -= above
+            lost[piece.high] += below
+        yield from ((z, lost[z]) for z in critical if abs(lost[z]) > NEARLY * largest)
 
 
 def integral(values: Array, every: int) -> Array:
@@ -191,12 +164,10 @@ def integral(values: Array, every: int) -> Array:
 def missed(values: Array) -> Array:
     """By how much half as many points miss an integral between them: signs cannot cancel, as at kinks."""
     count = len(values) + 1
-    nodes, known = [0.0, *thetas(count // 2), math.pi], np.pad(values[1::2], 1)
-    return np.asarray(weights(count) * abs(values - polynomial(nodes, known, thetas(count))))
+    half = polynomial(thetas(count // 2), np.pad(values[1::2], 1))
+    return np.asarray(weights(count) * abs(values - half(thetas(count)[1:-1])))
 
 
-def polynomial(nodes: Sequence[float], known: Array, at: Sequence[float]) -> Array:
-    """The polynomial through known values at nodes evaluated elsewhere."""
-    places = [2 / math.pi * np.array(one) - 1 for one in (at, nodes)]
-    there, here = (np.polynomial.chebyshev.chebvander(each, len(nodes) - 1) for each in places)
-    return np.asarray(there @ np.linalg.solve(here, known))
+def polynomial(nodes: Array, values: Array) -> Chebyshev:
+    """The polynomial on 0 ... pi through values at nodes."""
+    return Chebyshev.fit(nodes, values, len(nodes) - 1, domain=[0.0, np.pi])

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from bisect import bisect
+from bisect import bisect, bisect_left
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
-from itertools import pairwise
-from typing import NamedTuple
+from itertools import chain, pairwise, repeat
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ....algebra import Array
 from ....model import Model
+from ....results.maps.workspace import beyond, inside
 from ....results.maps.workspace_volume import Loop, Slice, Starts
 from ....system import System
 from ..problem.formulation import Limits, formulate
@@ -25,13 +26,14 @@ from ..regions.region import Cause, Region
 from ..tracing.starts import Start, onto
 from ..tracing.stratum import Active, Stratum, apart
 from ..tracing.vertex import balanced
+from .extremes import limit_names
 from .shape_derivatives import area_rates
 
 FAR, HALVINGS = 0.2, 3  # free of units: points of curves that move farther are carried in up to 8 parts
 NEAREST = 8  # random positions, moved to a slice, from which it begins
 NEARLY = 1e-3  # of the size of slices: so far their polylines may be from their curves
 PER_TASK = 4  # slices that are handed to a worker at once
-TRIES = (  # for a slice of which a curve was lost: shorter steps, and shifts as shares of the range
+TRIES = (  # for a slice of which a curve was lost: shorter steps, and shifts in units of the third output
     (1.0, 0.0),
     (0.5, 0.0),
     (0.5, 1e-5),
@@ -48,17 +50,19 @@ class Task(NamedTuple):
 
 
 class Job(NamedTuple):
-    """Description of the slices for a worker: problem, initial height, range."""
+    """Description of the slices for a worker: the problem of one of them, with its height as the last fixed value."""
 
     model: Model
-    output: tuple[str, ...]
+    output: Sequence[Any]
     limits: Limits | None
-    fixed: Mapping[str, float]
+    fixed: Mapping[Any, float]
     seed: int
     longest: float
-    middle: float
-    span: float
     derivatives: bool
+
+    def problem(self, system: System | None = None) -> Problem:
+        """The problem of a slice; a worker makes its own system."""
+        return formulate(system or System(self.model), self.output, limits=self.limits, fixed=self.fixed)
 
 
 class Slicer:
@@ -79,20 +83,19 @@ class Slicer:
 
     def __init__(
         self,
-        system: System,
-        asked: Job,
+        problem: Problem,
+        job: Job,
         positions: Sequence[tuple[float, Array]],
         executor: Executor | None,
     ) -> None:
-        self._asked, self._positions, self._executor = asked, positions, executor
-        self.problem = _formulated(system, asked)
+        self.problem, self._job, self._positions, self._executor = problem, job, positions, executor
         self.known: dict[float, Slice] = {}
         self._remade = Counter[float]()
 
     def at(self, heights: Iterable[float]) -> list[Slice]:
         """Slices at some heights, in their order; between those that are known the middle ones are made first."""
         wanted = list(heights)
-        new = sorted({height for height in wanted if height not in self.known})
+        new = sorted({*wanted} - self.known.keys())
         while missing := [height for height in new if height not in self.known]:
             self._map(_middles(missing, sorted(self.known)))
         self._map([height for height in new if not self.known[height].success])
@@ -104,62 +107,52 @@ class Slicer:
         Curves that a whole run of slices missed are so found from its ends. A slice began from the neighbours that were
         known when it was made; that leaves those that were made before a neighbour.
         """
-        order = {height: n for n, height in enumerate(self.known)}
-        good = sorted(height for height, one in self.known.items() if one.success)
-        pairs = [sorted(pair, key=order.__getitem__) for pair in pairwise(good)]
-        wrong = sorted({a for a, b in pairs if self._leaves_out(self.known[a], self.known[b])})
+        order = list(self.known)
+        pairs = pairwise(sorted(height for height, one in self.known.items() if one.success))
+        wrong = {
+            one
+            for one, other in (sorted(pair, key=order.index) for pair in pairs)
+            if self._differ(one, other)
+        }
         for height in wrong:
             self._remade[height] += 1
             one = self.known.pop(height)  # the new one comes last in the order
             self.known[height] = replace(one, success=self._remade[height] <= ROUNDS)
-        self._map([height for height in wrong if self.known[height].success])
+        self._map(sorted(height for height in wrong if self.known[height].success))
         return bool(wrong)
 
-    def _leaves_out(self, one: Slice, other: Slice) -> bool:
-        problem = self.problem.held_at(_height_of(self.problem), one.height)
-        outputs, units = problem.m + problem.outputs, problem.units[problem.outputs]
-        size = max((float(np.ptp(loop.points)) for both in (one, other) for loop in both.loops), default=0.0)
-        return any(
-            not one.holds(problem.values(start.x[: problem.n])[outputs] * units, NEARLY * size)
-            for start in _moved(problem, other.starts)
-        )
+    def _differ(self, height: float, other: float) -> bool:
+        """Whether a slice leaves out positions of another one's boundary."""
+        problem = self.problem.held_at(_height_of(self.problem), height)
+        moved = list(_moved(problem, self.known[other].starts))
+        return bool(_left_out(problem, self.known[height].loops, moved))
+
+    def around(self, height: float) -> list[Slice]:
+        """The nearest complete slices on both sides."""
+        good = sorted(z for z, one in self.known.items() if one.success)
+        return [
+            self.known[z]
+            for z in (*good[: bisect_left(good, height)][-1:], *good[bisect(good, height) :][:1])
+        ]
 
     def _map(self, heights: Sequence[float]) -> None:
         """Make slices, or make them again, from those around them that are known and complete."""
         expected(len({*self.known, *heights}), SLICES)
-        for one in self._made([Task(z, self._near(z), self._met(z)) for z in heights]):
+        tasks = [self._task(height) for height in heights]
+        parts = [tasks[k : k + PER_TASK] for k in range(0, len(tasks), PER_TASK)]
+        if self._executor is None:
+            made: Iterable[Slice] = (_slice(self.problem, self._job, task) for task in tasks)
+        else:
+            made = chain.from_iterable(self._executor.map(_work, repeat(self._job), parts))
+        for one in made:
             self.known[one.height] = one
             reached(len(self.known), SLICES)
 
-    def _made(self, tasks: Sequence[Task]) -> Iterator[Slice]:
-        if self._executor is None:
-            yield from (_slice(self.problem, self._asked, task) for task in tasks)
-            return
-        parts = [tasks[k : k + PER_TASK] for k in range(0, len(tasks), PER_TASK)]
-        for some in self._executor.map(_work, [self._asked] * len(parts), parts):
-            yield from some
-
-    def around(self, height: float) -> list[Slice]:
-        """The nearest known slices on both sides."""
-        return self._nearest(height, list(self.known))
-
-    def _good_around(self, height: float) -> list[Slice]:
-        return self._nearest(height, [h for h, one in self.known.items() if one.success])
-
-    def _nearest(self, height: float, heights: Sequence[float]) -> list[Slice]:
-        below = max((h for h in heights if h < height), default=None)
-        above = min((h for h in heights if h > height), default=None)
-        return [self.known[h] for h in (below, above) if h is not None]
-
-    def _near(self, height: float) -> Starts:
-        """Points of the curves of slices around, and of this one, if it is made again."""
-        own = [self.known[height]] if height in self.known else []
-        return tuple(start for one in [*self._good_around(height), *own] for start in one.starts)
-
-    def _met(self, height: float) -> tuple[Array, ...]:
-        """Random positions that are nearest by their heights."""
-        order = sorted(self._positions, key=lambda one: abs(one[0] - height))
-        return tuple(q for _, q in order[:NEAREST])
+    def _task(self, height: float) -> Task:
+        """A slice from points of the curves around, of itself if it is made again, and the nearest random positions."""
+        known = [*self.around(height), *([self.known[height]] if height in self.known else [])]
+        near = sorted(self._positions, key=lambda one: abs(one[0] - height))[:NEAREST]
+        return Task(height, tuple(start for one in known for start in one.starts), tuple(q for _, q in near))
 
 
 def _middles(missing: Sequence[float], known: Sequence[float]) -> list[float]:
@@ -170,27 +163,21 @@ def _middles(missing: Sequence[float], known: Sequence[float]) -> list[float]:
     return [group[len(group) // 2] for group in groups.values()]
 
 
-def _work(asked: Job, tasks: Sequence[Task]) -> list[Slice]:
-    """Slices in a worker, which makes its own system."""
-    problem = _formulated(System(asked.model), asked)
-    return [_slice(problem, asked, task) for task in tasks]
+def _work(job: Job, tasks: Sequence[Task]) -> list[Slice]:
+    problem = job.problem()
+    return [_slice(problem, job, task) for task in tasks]
 
 
-def _formulated(system: System, asked: Job) -> Problem:
-    fixed = {**asked.fixed, asked.output[2]: asked.middle}
-    return formulate(system, asked.output[:2], limits=asked.limits, fixed=fixed)
-
-
-def _slice(problem: Problem, asked: Job, task: Task) -> Slice:
+def _slice(problem: Problem, job: Job, task: Task) -> Slice:
     """A slice; where curves are lost, as close to a critical height, one that is a little higher or lower."""
     place = _height_of(problem)
     for n, (share, shift) in enumerate(TRIES):
-        moved = shift * asked.span
+        moved = shift * float(problem.units[place])
         here = problem.held_at(place, task.height + moved)
-        found = _mapped(here, asked.seed + n, asked.longest * share, task)
+        found = _mapped(here, job.seed + n, job.longest * share, task)
         if found.branches and found.is_closed:
             break
-    return _as_slice(task.height, found, abs(moved), asked.derivatives)
+    return _as_slice(task.height, found, abs(moved), job.derivatives)
 
 
 def _mapped(problem: Problem, seed: int, longest: float, task: Task) -> WorkspaceMap:
@@ -204,21 +191,26 @@ def _mapped(problem: Problem, seed: int, longest: float, task: Task) -> Workspac
         map_.explorer.run()
     map_.run()
     for _ in range(ROUNDS):
-        if not (outside := [*map_.positions_outside(), *_left_out(map_, moved)]):
+        if not (outside := [*map_.positions_outside(), *_left_out(problem, _loops(map_.region()), moved)]):
             break
         for q in outside:
             map_.look_around(q)
     return map_
 
 
-def _left_out(map_: WorkspaceMap, starts: Sequence[Start]) -> list[Array]:
-    """Positions on the boundary of neighbours, moved to this slice, that lie outside of it."""
-    if not starts or not map_.branches:
-        return []
-    p, region = map_.problem, map_.region()
-    u = np.array([p.values(start.x[: p.n])[p.m + p.outputs] for start in starts])
-    outside = region.outside(u, NEARLY * float(np.ptp(u, axis=0).max()))
-    return [starts[k].x[: p.n] for k in np.flatnonzero(outside).tolist()]
+def _left_out(problem: Problem, loops: Iterable[Loop], starts: Sequence[Start]) -> list[Array]:
+    """Positions on the boundary of neighbours, moved to this slice, that lie outside of its loops."""
+    positions = [start.x[: problem.n] for start in starts]
+    u = np.array([problem.values(q)[problem.m + problem.outputs] for q in positions]).reshape(-1, 2)
+    outside = outside_of(loops, u * problem.units[problem.outputs])
+    return [q for q, out in zip(positions, outside, strict=True) if out]
+
+
+def outside_of(loops: Iterable[Loop], points: Array) -> Array:
+    """Which points (k, 2) are outside of loops by more than `NEARLY` of their size (k,)."""
+    lines = [loop.points for loop in loops]
+    size = max((float(np.ptp(line)) for line in lines), default=0.0)
+    return np.asarray(~inside(lines, points) & beyond(lines, points, NEARLY * size))
 
 
 def _settled(problem: Problem, positions: Sequence[Array]) -> Iterator[Array]:
@@ -226,7 +218,7 @@ def _settled(problem: Problem, positions: Sequence[Array]) -> Iterator[Array]:
     rows, goal = constrained(problem)
     for q in positions:
         moved = settle(problem, q, rows, goal)
-        if moved is not None and allowed(problem, moved) and problem.built(moved):
+        if moved is not None and _admissible(problem, moved):
             yield moved
 
 
@@ -234,12 +226,12 @@ def _moved(problem: Problem, starts: Starts) -> Iterator[Start]:
     """Points of neighbours' curves and their corners, moved to this slice."""
     for key, x in starts:
         found = _corner(problem, key, x) if len(x) == problem.n else _on_curve(problem, key, x)
-        if (
-            found is not None
-            and allowed(problem, found.x[: problem.n])
-            and problem.built(found.x[: problem.n])
-        ):
+        if found is not None and _admissible(problem, found.x[: problem.n]):
             yield found
+
+
+def _admissible(problem: Problem, q: Array) -> bool:
+    return allowed(problem, q) and problem.built(q)
 
 
 def _on_curve(problem: Problem, key: Active, x: Array) -> Start | None:
@@ -281,38 +273,41 @@ def _corner(problem: Problem, key: Active, q: Array) -> Start | None:
 def _as_slice(height: float, map_: WorkspaceMap, moved: float, derivatives: bool) -> Slice:
     if not map_.branches:
         return Slice(height, 0.0, 0.0, (), (), False)
-    rates, kinked = area_rates(map_.problem, map_.region()) if derivatives else (None, 0.0)
     p, region = map_.problem, map_.region()
+    rates, kinked = area_rates(p, region) if derivatives else (None, 0.0)
     units = p.units[p.outputs]
-    area, perimeter = region.area * float(units.prod()), region.perimeter * float(units.max())
+    unit, perimeter = float(units.prod()), region.perimeter * float(units.max())
     starts = [(branch.stratum.key, branch.points[len(branch.points) // 2].x) for branch in map_.branches]
     starts += [(vertex.key, vertex.q) for vertex in map_.explorer.vertices if vertex.kind == "corner"]
     curves = region.curves([p.table[k].name for k in p.limited])
     barriers = tuple(curve.u for curve in curves if curve.kind == "barrier" and not curve.again)
-    loops = tuple(_loops(region))
-    error = region.area_error() * float(units.prod()) + moved * perimeter
-    return Slice(height, area, error, loops, barriers, map_.is_closed, tuple(starts), rates, kinked)
+    error = region.area_error() * unit + moved * perimeter
+    closed = map_.is_closed
+    return Slice(
+        height,
+        region.area * unit,
+        error,
+        tuple(_loops(region)),
+        barriers,
+        closed,
+        tuple(starts),
+        rates,
+        kinked,
+    )
 
 
 def _loops(region: Region) -> Iterator[Loop]:
-    units = region.problem.units[region.problem.outputs]
+    import shapely  # not with `import sarrus`
+
+    p = region.problem
     for number, (_, _, loops) in enumerate(region.components()):
         for loop in loops:
-            causes = tuple(_described(region.problem, cause) for cause in loop.causes)
-            yield Loop(number, _signed_area(loop.line) < 0, loop.line * units, loop.corners, causes)
+            causes = tuple(" or ".join(sorted(_cause(p, one) for one in causes)) for causes in loop.causes)
+            hole = not shapely.LinearRing(loop.line).is_ccw
+            yield Loop(number, hole, loop.line * p.units[p.outputs], loop.corners, causes)
 
 
-def _signed_area(line: Array) -> float:
-    x, y = line.T
-    return float(x[:-1] @ y[1:] - x[1:] @ y[:-1])
-
-
-def _described(problem: Problem, causes: frozenset[Cause]) -> str:
-    """Causes in words."""
-    message = []
-    for active, singular in causes:
-        names = [
-            f"{problem.table[problem.limited[i]].name} {('lowest', 'highest')[end]}" for i, end in active
-        ]
-        message.append(", ".join([*(["singularity"] if singular else []), *names]))
-    return " or ".join(sorted(message))
+def _cause(problem: Problem, cause: Cause) -> str:
+    """Active limits, and whether the mechanism is singular, in words."""
+    active, singular = cause
+    return ", ".join([*(["singularity"] if singular else []), *limit_names(problem, active)])

@@ -17,14 +17,15 @@ from ....results.maps.workspace_volume import Slice, WorkspaceRange, WorkspaceVo
 from ....system import System
 from ...arguments import refuse_for_positions
 from ...progress import Progress
-from ..problem.arguments import functions, measures
+from ..problem.arguments import functions
 from ..problem.formulation import Limits, formulate, refuse_dependent
 from ..problem.random_positions import Samples
-from ..problem.watch import SLICES, Stop, check, stopped, watched
+from ..problem.rows import Problem
+from ..problem.watch import SLICES, Stop, stopped, watched
 from ..tracing.curve import LONGEST
 from .extremes import search_of, workspace_range
 from .quadrature import FIRST, Integral
-from .slicing import NEARLY, Job, Slicer
+from .slicing import NEARLY, Job, Slicer, outside_of
 from .surface_from_slices import surface
 
 WALK = 5  # positions of a random walk from each assembled one
@@ -86,11 +87,14 @@ def workspace_volume(
     refuse_for_positions(system, "workspace_volume")
     names = functions(output)
     _refuse(names, rtol, between)
-    refuse_dependent(formulate(system, names, limits=limits, fixed=fixed))
-    search = _Search(system, names, limits, fixed, between, seed)
+    problem = formulate(system, names, limits=limits, fixed=fixed)
+    refuse_dependent(problem)
+    volume = _Volume(
+        problem, Job(system.model, names, limits, fixed or {}, seed, longest, derivatives), between
+    )
     with watched(progress, done="made", unit=SLICES, time_limit=time_limit):
-        stop = stopped(lambda: search.run(rtol, most, samples, executor, longest, derivatives))
-    found = search.result(stop, derivatives)
+        stop = stopped(lambda: volume.integrate(rtol, most, samples, executor))
+    found = volume.result(stop)
     announce(_shortcomings(found, rtol))
     return found
 
@@ -100,12 +104,10 @@ def _refuse(names: tuple[Any, ...], rtol: float, between: tuple[float, float] | 
         raise SarrusError(f"output: a volume has three outputs, got {len(names)}. Name three.")
     if not 0 < rtol < np.inf:
         raise SarrusError(f"rtol: must be positive, got {rtol:g}. Pass e.g. 1e-4.")
-    if between is not None and np.shape(between) != (2,):
-        raise SarrusError(f"between must be a pair (lowest, highest), got {between!r}. Pass e.g. (0.0, 1.0).")
-    if between is not None and not -np.inf <= between[0] < between[1] <= np.inf:
-        raise SarrusError(
-            f"between: must rise, got {between[0]:g} to {between[1]:g}. Give the lower value first."
-        )
+    rises = between is None or (np.shape(between) == (2,) and -np.inf <= between[0] < between[1] <= np.inf)
+    if not rises:
+        message = "Give the lower value first, e.g. (0.0, 1.0)"
+        raise SarrusError(f"between: must be two values that rise, got {between!r}. {message}.")
 
 
 def _shortcomings(found: WorkspaceVolume, rtol: float) -> Iterator[str]:
@@ -118,82 +120,63 @@ def _shortcomings(found: WorkspaceVolume, rtol: float) -> Iterator[str]:
         yield f"{message}. Allow more slices (most)."
 
 
-class _Search:
+class _Volume:
     """The steps to a volume; what was found when they end early is given, too."""
 
-    def __init__(
-        self,
-        system: System,
-        names: tuple[Any, ...],
-        limits: Limits | None,
-        fixed: Mapping[Any, float] | None,
-        between: tuple[float, float] | None,
-        seed: int,
-    ) -> None:
-        self.system, self.names, self.limits, self.fixed = system, names, limits, fixed
-        self.between, self.seed = between, seed
+    def __init__(self, problem: Problem, job: Job, between: tuple[float, float] | None) -> None:
+        self.problem, self.job, self.between = problem, job, between
         self.reach: WorkspaceRange | None = None
+        self.ranges: tuple[tuple[float, float], ...] = ()
         self.integral: Integral | None = None
         self.outside = self.tested = 0
 
-    def run(
-        self,
-        rtol: float,
-        most: int,
-        samples: int,
-        executor: Executor | None,
-        longest: float,
-        derivatives: bool,
-    ) -> None:
+    def integrate(self, rtol: float, most: int, samples: int, executor: Executor | None) -> None:
         """The range of heights, slices and their integral, random positions."""
-        system, names, limits, fixed, seed = self.system, self.names, self.limits, self.fixed, self.seed
+        problem, job = self.problem, self.job
+        height = job.output[2]
         with collecting():
-            reach = workspace_range(system, names[2], limits=limits, fixed=fixed, seed=seed)
-        self.reach = reach
-        check()
-        ranges = self.ranges
-        middle = 0.5 * (ranges[0][0] + ranges[0][1]) if ranges else 0.0
-        span = max((high - low for low, high in ranges), default=1.0)
-        asked = Job(system.model, names, limits, fixed or {}, seed, longest, middle, span, derivatives)
-        positions = list(_positions(system, asked, samples))
+            reach = workspace_range(problem.system, height, limits=job.limits, fixed=job.fixed, seed=job.seed)
+        self.reach, self.ranges = reach, tuple(_cut(reach.intervals, self.between))
+        if search_of(reach).stop:
+            return
+        middle = float(np.mean(self.ranges[0])) if self.ranges else 0.0
+        job = job._replace(output=job.output[:2], fixed={**job.fixed, height: middle})
+        positions = [q for walk in Samples(problem, job.seed).walks(samples, WALK) for q in walk]
+        u = np.array([problem.values(q)[problem.m + problem.outputs] for q in positions]).reshape(-1, 3)
+        u *= problem.units[problem.outputs]
         standing = [(one.value, one.q / search_of(reach).problem.scale) for one in reach.critical]
-        slicer = Slicer(system, asked, [(z, q) for _, z, q in positions] + standing, executor)
+        known = [*zip(u[:, 2].tolist(), positions, strict=True), *standing]
+        slicer = Slicer(job.problem(problem.system), job, known, executor)
         expected = sorted({one.value for one in reach.critical})
-        first = 4 * FIRST if derivatives else FIRST
-        self.integral = Integral(slicer, ranges, expected, rtol, most, first)
+        first = 4 * FIRST if job.derivatives else FIRST
+        self.integral = Integral(slicer, self.ranges, expected, rtol, most, first)
         self.integral.run()
-        missed = _missed(positions, reach.intervals, self.between, NEARLY * span)
-        self.outside, self.tested = _outside(slicer, positions, ranges) + missed, len(positions)
+        self.outside, self.tested = positions_outside(u, slicer, self.ranges, self.between), len(u)
 
-    @property
-    def ranges(self) -> tuple[tuple[float, float], ...]:
-        """The requested ranges of the third output."""
-        return tuple(_cut(self.reach.intervals, self.between)) if self.reach else ()
-
-    def result(self, stop: Stop | None, derivatives: bool) -> WorkspaceVolume:
-        """Return the result; volume and surface only if it is complete."""
-        integral = self.integral
+    def result(self, stop: Stop | None) -> WorkspaceVolume:
+        """Return the result; a coarse volume if it ended early."""
+        p, integral = self.problem, self.integral
+        stop = stop or (search_of(self.reach).stop if self.reach else None)
         found = sorted(integral.slicer.known.values(), key=lambda one: one.height) if integral else []
         status, message = self._status(found, stop)
-        whole = integral if integral and not stop else None
-        value, error = (np.nan, np.nan)
-        if integral and (stop or status == "mapped"):
-            value, error = integral.value, integral.error
-            value = value if np.isfinite(error) else np.nan
-        first, second, third = measures(self.system, self.names)
+        known = (
+            integral if integral and (stop or status == "mapped") and np.isfinite(integral.error) else None
+        )
+        whole = integral if integral and len(integral.rates) and not stop else None
+        first, second, third = (p.table[k] for k in p.outputs)
         return WorkspaceVolume(
-            self.system.name,
+            p.system.name,
             (first.title, second.title, third.title),
             self.ranges,
             tuple(integral.critical) if integral else (),
             tuple(found),
-            value,
-            error,
+            known.value if known else np.nan,
+            known.error if known else np.nan,
             *surface([one for one in found if one.success], self.ranges),
             status,
             message,
-            self.system.model,
-            whole.derivatives(self.reach) if whole and self.reach and len(whole.rates) else None,
+            p.system.model,
+            whole.derivatives(self.reach) if whole and self.reach else None,
             (first.unit, second.unit, third.unit),
         )
 
@@ -203,56 +186,38 @@ class _Search:
         lost = sum(not one.success for one in found)
         message = f"{lost} of {len(found)} slices are incomplete" if lost else "All slices are complete"
         if not found:
-            heights = "between these heights" if self.between else "over a range of heights"
-            message = f"Nothing can be reached {heights}"
+            message = f"Nothing can be reached {'between these heights' if self.between else 'over a range of heights'}"
         known = self.reach is not None and self.reach.success
         message += (
-            "" if known else f", and the range of {self.reach.output if self.reach else self.names[2]} is not"
+            "" if known else f", and the range of {self.problem.table[self.problem.outputs[2]].title} is not"
         )
         message += f"; {self.outside} of {self.tested} random admissible positions are outside"
         return "mapped" if known and not lost and not self.outside else "incomplete", message
 
 
-def _positions(system: System, asked: Job, count: int) -> Iterator[tuple[Array, float, Array]]:
-    """Random admissible positions: the first two outputs, the third one, and the scaled coordinates."""
-    problem = formulate(system, asked.output, limits=asked.limits, fixed=asked.fixed)
-    outputs, units, samples = (
-        problem.m + problem.outputs,
-        problem.units[problem.outputs],
-        Samples(problem, asked.seed),
-    )
-    while count > 0 and (q := next(samples, None)) is not None:
-        for there in (q, *samples.walks(q, min(WALK, count) - 1)):
-            u = problem.values(there)[outputs] * units
-            yield u[:2], float(u[2]), there
-            count -= 1
-
-
-def _outside(
-    slicer: Slicer, positions: Iterable[tuple[Array, float, Array]], ranges: Iterable[tuple[float, float]]
+def positions_outside(
+    u: Array, slicer: Slicer, ranges: Sequence[tuple[float, float]], between: tuple[float, float] | None
 ) -> int:
-    """Return the number of positions outside of the slices above, below and at their height."""
-    doubtful = [
-        (u, z)
-        for u, z, _ in positions
-        if any(low < z < high for low, high in ranges) and not any(one.holds(u) for one in slicer.around(z))
-    ]
-    own = slicer.at(z for _, z in doubtful)
-    size = max((float(np.ptp(loop.points)) for one in own for loop in one.loops), default=0.0)
-    return sum(not one.holds(u, NEARLY * size) for (u, _), one in zip(doubtful, own, strict=True))
+    """Number of admissible positions at heights that seemed out of reach, or outside of slices around and at theirs.
 
-
-def _missed(
-    positions: Iterable[tuple[Array, float, Array]],
-    intervals: Iterable[tuple[float, float]],
-    between: tuple[float, float] | None,
-    near: float,
-) -> int:
-    """Return the number of positions at heights that seemed out of reach."""
+    Parameters
+    ----------
+    u : (n, 3) outputs
+    ranges : of heights that can be reached, within `between`
+    """
     lowest, highest = between or (-np.inf, np.inf)
-    can = [(low - near, high + near) for low, high in intervals]
-    heights = [z for _, z, _ in positions if lowest < z < highest]
-    return sum(not any(low < z < high for low, high in can) for z in heights)
+    near = NEARLY * max((high - low for low, high in ranges), default=1.0)
+    outside, doubtful = 0, list[Array]()
+    for place in u[(lowest < u[:, 2]) & (u[:, 2] < highest)]:
+        if not any(low < place[2] < high for low, high in ranges):
+            outside += not any(low - near < place[2] < high + near for low, high in ranges)
+        elif not any(one.holds(place[:2]) for one in slicer.around(place[2])):
+            doubtful.append(place)
+    own = slicer.at(place[2] for place in doubtful)
+    missed = [
+        bool(outside_of(one.loops, place[None, :2])[0]) for one, place in zip(own, doubtful, strict=True)
+    ]
+    return outside + sum(missed)
 
 
 def _cut(

@@ -309,7 +309,7 @@ def test_positions_at_heights_that_were_missed_are_outside() -> None:
     u = np.array([(0.0, 0.0, z) for z in (0.5, 1.0005, 1.5, 2.5)])
     slicer: Any = SimpleNamespace(around=lambda z: [SimpleNamespace(holds=lambda u: True)], at=list)
     ranges = [(0, 1), (2, 3)]
-    assert [positions_outside(u, slicer, ranges, between) for between in (None, (0, 1.2))] == [1, 0]
+    assert [positions_outside(u, slicer, ranges, between) for between in ((-1, 4), (0, 1.2))] == [1, 0]
     assert positions_outside(u, slicer, [], (1, 2)) == 2
 
 

@@ -26,16 +26,12 @@ class Watch:
     """The monitor of an analysis with the value reached so far, and what is counted."""
 
     def __init__(self, report: Monitor, unit: str) -> None:
-        self._report, self.unit, self._reached, self._last = report, unit, 0.0, 0.0
+        self.report, self.unit, self._reached, self._last = report, unit, 0.0, 0.0
 
     def reach(self, value: float) -> None:
         """Report a value."""
         self._reached, self._last = value, time.perf_counter()
-        self._report(value)
-
-    def expect(self, total: float) -> None:
-        """Set the expected number."""
-        self._report.expect(total)
+        self.report(value)
 
     def check(self) -> None:
         """Report the last value again, if it was not just done: so the time limit is seen between two values."""
@@ -75,18 +71,16 @@ def reached(value: float, unit: str) -> None:
     TimeLimit
         If its time limit has passed.
     """
-    if (watch := _running.get()) is None:
-        return
-    if watch.unit == unit:
+    if (watch := _running.get()) is not None and watch.unit == unit:
         watch.reach(value)
     else:
-        watch.check()
+        check()
 
 
 def expected(total: float, unit: str) -> None:
     """Report how many there will be, as far as it is known by now, if that is what the analysis counts."""
     if (watch := _running.get()) is not None and watch.unit == unit:
-        watch.expect(total)
+        watch.report.expect(total)
 
 
 def check() -> None:

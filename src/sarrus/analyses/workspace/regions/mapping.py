@@ -251,19 +251,19 @@ class WorkspaceMap(StartSearch):
     def result(self, verification: Verification | None = None) -> Workspace:
         """Return the result so far."""
         p, region = self.problem, self.region()
-        units = p.units[p.outputs]
-        names = [p.table[k].name for k in p.limited]
+        units, names = p.units[p.outputs], [p.table[k].name for k in p.limited]
         status, message = self._status(region, verification)
         one, other = (p.table[k] for k in p.outputs)
         known = status == "mapped"
+        unit = float(units.prod()) if known else np.nan
         parts = tuple(component_of(part, units, known) for part in region.components())
         return Workspace(
             p.system.name,
             (one.title, other.title),
             (one.unit, other.unit),
             tuple(region.curves(names)),
-            region.area * float(units.prod()) if known else np.nan,
-            region.area_error() * float(units.prod()) if known else np.nan,
+            region.area * unit,
+            region.area_error() * unit,
             measured(region.perimeter, units) if known else np.nan,
             parts,
             self._drawn(parts),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -70,8 +70,8 @@ def workspace_range(
             f"output: a range has one output, got {len(problem.outputs)}. See workspace for two."
         )
     refuse_dependent(problem)
+    search = Extremes(problem, seed, repeats)
     with watched(progress, done="tried", unit=STARTS, time_limit=time_limit):
-        search = Extremes(problem, seed, repeats)
         search.stop = stopped(search.run)
     found = search.result()
     if not found.success:
@@ -116,7 +116,7 @@ class Extremes(StartSearch):
 
     def result(self) -> WorkspaceRange:
         """The intervals that can be reached, with their ends."""
-        p, critical = self.problem, self._critical()
+        p, critical = self.problem, sorted(map(self._critical, self.found), key=lambda one: one.value)
         one = p.table[p.outputs[0]]
         ends = distinct([each.value for each in critical], TRACED * p.units[p.outputs[0]])
         can = [self._can(low, high, critical) for low, high in pairwise(ends)]
@@ -133,11 +133,7 @@ class Extremes(StartSearch):
             self,
         )
 
-    def _critical(self) -> list[CriticalValue]:
-        found = [self._one(start) for start in self.found]
-        return sorted(found, key=lambda one: one.value)
-
-    def _one(self, start: Start) -> CriticalValue:
+    def _critical(self, start: Start) -> CriticalValue:
         p, stratum = self.problem, Stratum(self.problem, start.key)
         seen, q = examine(stratum, start.x), start.x[: self.problem.n]
         active = tuple(limit_names(p, stratum.active))
@@ -176,13 +172,9 @@ def distinct(values: Iterable[float], near: float) -> list[float]:
 
 def _merged(ends: list[float], can: list[bool]) -> tuple[tuple[float, float], ...]:
     """Neighbouring intervals that can be reached, joined."""
-    found: list[tuple[float, float]] = []
-    for low, high, ok in zip(ends, ends[1:], can, strict=False):
-        if ok and found and found[-1][1] == low:
-            found[-1] = (found[-1][0], high)
-        elif ok:
-            found.append((low, high))
-    return tuple(found)
+    runs = groupby(zip(pairwise(ends), can, strict=True), key=lambda one: one[1])
+    spans = [[pair for pair, _ in run] for reached, run in runs if reached]
+    return tuple((span[0][0], span[-1][1]) for span in spans)
 
 
 def search_of(found: WorkspaceRange) -> Extremes:

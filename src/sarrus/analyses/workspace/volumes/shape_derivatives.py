@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,11 +25,8 @@ from ....model.announcement import reports_warnings
 from ....model.show import suggest
 from ....results.maps.workspace import TRACED, Workspace, place_of
 from ....results.maps.workspace_volume import ShapeDerivative, WorkspaceRange, WorkspaceVolume
-from ...sensitivity.chain.chain import Gradients
-from ...sensitivity.parameters.parameters import Parameters, UnknownParameter, listed
 from ..problem.arguments import refuse_other
 from ..problem.rows import Problem
-from ..regions.arrangement import Owner
 from ..regions.crossing import VANISHES
 from ..regions.mapping import map_of
 from ..regions.region import Region
@@ -63,24 +62,29 @@ def area_gradient(found: Workspace, wrt: Iterable[str], *, strict: bool = False)
         If there is no such number.
     """
     refuse_other(found, Workspace)
-    names, map_ = listed(wrt), map_of(found)
-    numbers = _Numbers(map_.problem, names)
-    total, kinked = area_rates(map_.problem, map_.region())
-    rates = numbers.derivatives(total)
-    return ShapeDerivative("area", found.area, dict(zip(names, rates, strict=True)), kinked)
+    region = map_of(found).region()
+    numbers = _Numbers(region.problem, wrt)
+    total, kinked = area_rates(region)
+    return ShapeDerivative("area", found.area, numbers.derivatives(total), kinked)
 
 
-def area_rates(problem: Problem, region: Region) -> tuple[Array, float]:
-    """Derivatives of an area by all numbers of a problem, and the length of the boundary where it has kinks."""
-    numbers = _Numbers(problem, ())
-    total, kinked = numbers.nothing(), 0.0
+def area_rates(region: Region) -> tuple[Array, float]:
+    """Derivatives of an area by all numbers of its problem, and the length of the boundary where it has kinks."""
+    numbers = _Numbers(region.problem, ())
+    total, kinked = np.zeros(sum(numbers.sizes)), 0.0
     for k in np.flatnonzero(region.bounds).tolist():
         piece = region.division.pieces[k]
-        owner = next((one for one in piece.owners if region.crossings[one[0]].side), piece.owners[0])
-        total += _along(region, owner, numbers)
+        total += _along(_owner(region, k), numbers)
         kinked += piece.arc.length * (len({region.branches[n].stratum.key for n, *_ in piece.owners}) > 1)
-    units = problem.units[problem.outputs]
+    units = region.problem.units[region.problem.outputs]
     return total * float(units.prod()), kinked * float(units[0])
+
+
+def _owner(region: Region, k: int) -> BranchPart:
+    """The branch that a piece of the boundary is part of, one that cannot be crossed, with the parameters there."""
+    owners = region.division.pieces[k].owners
+    n, first, last = next((one for one in owners if region.crossings[one[0]].side), owners[0])
+    return BranchPart(region.branches[n], region.crossings[n].side or 1, first, last)
 
 
 @reports_warnings
@@ -109,22 +113,18 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool 
         If there is no such number, or the volume was mapped without derivatives.
     """
     refuse_other(found, WorkspaceVolume)
-    names, rates = listed(wrt), found.rates
+    rates = found.rates
     if rates is None:
         message = "Map it by workspace_volume(..., derivatives=True)"
         raise SarrusError(f"{found.name}: this volume was mapped without derivatives. {message}.")
-    of_slices, of_heights = rates.slices, search_of(rates.reach).problem
-    assert isinstance(of_slices, Problem)
-    known = [set(_Numbers(problem, ()).own) for problem in (of_slices, of_heights)]
-    mine, theirs = [
-        [name for name in names if name in own or name not in other] for own, other in (known, known[::-1])
-    ]
-    numbers = _Numbers(of_slices, mine)
-    by = dict.fromkeys(names, 0.0) | dict(zip(mine, numbers.derivatives(rates.total), strict=True))
-    error = dict.fromkeys(names, 0.0) | dict(zip(mine, abs(numbers.derivatives(rates.missed)), strict=True))
+    assert isinstance(rates.slices, Problem)
+    numbers, of_heights = _Numbers(rates.slices, wrt), _Numbers(search_of(rates.reach).problem, ())
+    by, missed = numbers.derivatives(rates.total), numbers.derivatives(rates.missed)
+    theirs = [name for name in by if name in of_heights.places or name not in numbers.places]
     for height, jump in rates.jumps:
         for name, rate in end_gradient(rates.reach, height, theirs).by.items():
             by[name] += jump * rate
+    error = {name: abs(rate) for name, rate in missed.items()}
     return ShapeDerivative("volume", found.volume, by, rates.kinked, error)
 
 
@@ -148,24 +148,24 @@ def end_gradient(
         If there is no such number, no critical value, or the constraints alone are singular there.
     """
     refuse_other(found, WorkspaceRange, complete=False)
-    search, names = search_of(found), listed(wrt)
+    search = search_of(found)
     problem = search.problem
     unit = float(problem.units[problem.outputs[0]])
     values = [one * unit for one in search.values()]
-    message = min(values, key=lambda one: abs(one - value), default=value)
-    alike = [
+    nearest = min(values, key=lambda one: abs(one - value), default=value)
+    moving = [
         (abs(one - value), n)
         for n, one in enumerate(values)
-        if abs(one - message) < TRACED * unit and abs(search.found[n].x[-1]) > VANISHES
+        if abs(one - nearest) < TRACED * unit and abs(search.found[n].x[-1]) > VANISHES
     ]
-    if not alike:
+    if not moving:
         raise SarrusError(
-            f"{found.output}: no end at {message:.6g} moves. Ask for another of its critical values."
+            f"{found.output}: no end at {nearest:.6g} moves. Ask for another of its critical values."
         )
-    start = search.found[min(alike)[1]]
-    numbers = _Numbers(problem, names)
-    rates = numbers.derivatives(numbers.row(Stratum(problem, start.key), start.x) / start.x[-1]) * unit
-    return ShapeDerivative(found.output, message, dict(zip(names, rates, strict=True)))
+    key, x = search.found[min(moving)[1]]
+    numbers = _Numbers(problem, wrt)
+    rates = numbers.derivatives(numbers.row(Stratum(problem, key), x) / x[-1] * unit)
+    return ShapeDerivative(found.output, nearest, rates)
 
 
 @reports_warnings
@@ -193,50 +193,53 @@ def distance_gradient(
         corner or one where the constraints alone are singular.
     """
     refuse_other(found, Workspace)
-    map_, names, place = map_of(found), listed(wrt), place_of(point)
-    problem, region = map_.problem, map_.region()
-    units = problem.units[problem.outputs]
+    region, place = map_of(found).region(), place_of(point)
+    problem = region.problem
+    unit, other = problem.units[problem.outputs].tolist()
     if found.units[0] != found.units[1]:
         raise SarrusError(
             f"{found.name}: {found.units[0]} and {found.units[1]} make no distance. Choose other outputs."
         )
-    p, numbers = place / units, _Numbers(problem, names)
-    branch, side, x = _foot(region, p)
+    p, numbers = place / (unit, other), _Numbers(problem, wrt)
+    owner, x = _foot(region, p)
     c, u = x[-2:], problem.values(x[: problem.n])[problem.m + problem.outputs]
     length = float(np.linalg.norm(c))
     if length < VANISHES:
         raise SarrusError(
             f"{found.name}: the nearest place of the boundary has no speed. Choose another point."
         )
-    distance = -side * float((u - p) @ c) / length
-    speed = -side * numbers.row(branch.stratum, x) / length
-    rates = numbers.derivatives(speed) * float(units[0])
-    return ShapeDerivative("distance", distance * float(units[0]), dict(zip(names, rates, strict=True)))
+    inwards = -owner.side * unit / length
+    rates = numbers.derivatives(inwards * numbers.row(owner.branch.stratum, x))
+    return ShapeDerivative("distance", inwards * float((u - p) @ c), rates)
 
 
-def _foot(region: Region, p: Array) -> tuple[Branch, int, Array]:
-    """The branch of the boundary that is nearest to a place, its open side, and the unknowns at the foot."""
+class BranchPart(NamedTuple):
+    """The branch of a piece of the boundary, the side of c on which the outputs stay, and its parameters there."""
+
+    branch: Branch
+    side: int
+    first: float
+    last: float
+
+
+def _foot(region: Region, p: Array) -> tuple[BranchPart, Array]:
+    """The part of the boundary that is nearest to a place, and the unknowns at the foot."""
     edges = np.flatnonzero(region.bounds).tolist()
     if not edges:
         name = region.problem.system.name
         raise SarrusError(f"{name}: there is no boundary. Use a workspace with one.")
-    near = [(*region.division.pieces[k].arc.nearest(p)[::-1], k) for k in edges]
-    _, at, k = min(near)
-    piece = region.division.pieces[k]
-    n, low, high = next((one for one in piece.owners if region.crossings[one[0]].side), piece.owners[0])
-    branch, place = region.branches[n], low + at / piece.arc.end * (high - low)
-    first = min(int(place), len(branch.points) - 2)
-    guess = Step(branch.points[first], branch.points[first + 1]).x(place - first)
-    away, x = np.inf, guess
-    try:
-        x, linear = correct(branch.stratum, guess, _perpendicular(region.problem, p))
+    _, at, k = min((*region.division.pieces[k].arc.nearest(p)[::-1], k) for k in edges)
+    arc, owner = region.division.pieces[k].arc, _owner(region, k)
+    place, points = owner.first + at / arc.end * (owner.last - owner.first), owner.branch.points
+    first = min(int(place), len(points) - 2)
+    guess, away = Step(points[first], points[first + 1]).x(place - first), np.inf
+    with suppress(NoPoint):
+        x, linear = correct(owner.branch.stratum, guess, _perpendicular(region.problem, p))
         u = linear.values[region.problem.m + region.problem.outputs]
-        away = float(np.linalg.norm(u - piece.arc.point(at)))
-    except NoPoint:
-        pass
+        away = float(np.linalg.norm(u - arc.point(at)))
     if away > ON_CURVE:
         raise SarrusError("point: the nearest place of the boundary is a corner. Choose another point.")
-    return branch, region.crossings[n].side or 1, x
+    return owner, x
 
 
 def _perpendicular(problem: Problem, p: Array) -> Row:
@@ -252,27 +255,20 @@ def _perpendicular(problem: Problem, p: Array) -> Row:
     return row
 
 
-def _along(region: Region, owner: Owner, numbers: _Numbers) -> Array:
+def _along(owner: BranchPart, numbers: _Numbers) -> Array:
     """The integral of the boundary's speed outwards over a part of a branch."""
-    n, low, high = owner
-    branch, side = region.branches[n], region.crossings[n].side or 1
-    low, high = min(low, high), max(low, high)
-    total = numbers.nothing()
-    for k in range(int(low), min(int(np.ceil(high)), len(branch.points) - 1)):
-        total -= side * _in_step(branch, k, max(low - k, 0.0), min(high - k, 1.0), numbers)
-    return total
-
-
-def _in_step(branch: Branch, k: int, low: float, high: float, numbers: _Numbers) -> Array:
-    step = Step(branch.points[k], branch.points[k + 1])
-    outputs, nodes, weights = step.quintic(), *gauss()
-    total = numbers.nothing()
-    for tau, weight in zip(low + (high - low) * nodes, (high - low) * weights, strict=True):
-        x = step.x(tau)
-        slope = (np.arange(1, 6) * tau ** np.arange(5)) @ outputs[1:]
-        length = float(np.linalg.norm(x[len(x) - 2 :]))
-        if length > VANISHES:
-            total += weight * float(np.linalg.norm(slope)) / length * numbers.row(branch.stratum, x)
+    points, (low, high) = owner.branch.points, sorted((owner.first, owner.last))
+    total, (nodes, weights) = np.zeros(sum(numbers.sizes)), gauss()
+    for k in range(int(low), min(int(np.ceil(high)), len(points) - 1)):
+        step, first = Step(points[k], points[k + 1]), max(low - k, 0.0)
+        outputs, length = step.quintic(), min(high - k, 1.0) - first
+        for tau, weight in zip(first + length * nodes, length * weights, strict=True):
+            x = step.x(tau)
+            slope = (np.arange(1, 6) * tau ** np.arange(5)) @ outputs[1:]
+            normal = float(np.linalg.norm(x[-2:]))
+            if normal > VANISHES:
+                speed = numbers.row(owner.branch.stratum, x) / normal
+                total -= owner.side * weight * float(np.linalg.norm(slope)) * speed
     return total
 
 
@@ -287,60 +283,49 @@ def _without_places(names: Sequence[str]) -> dict[str, str]:
 class _Numbers:
     """Gradients of the boundary's motion by all numbers: of elements, of functions, of limits; free of units.
 
-    `own` are the names of those of functions and of limits.
+    `places` are those of numbers of functions and of limits, by name.
     """
 
-    def __init__(self, problem: Problem, names: Sequence[str]) -> None:
-        self.problem, system = problem, problem.system
-        self.sizes = (system.nb, len(problem.functions.axis_names(Axis.PARAMETERS)), 2 * len(problem.limited))
+    def __init__(self, problem: Problem, wrt: Iterable[str]) -> None:
+        from ...sensitivity.parameters.parameters import Parameters, UnknownParameter, listed
+
+        self.problem, self.names, system = problem, listed(wrt), problem.system
+        functions = problem.functions.axis_names(Axis.PARAMETERS)
         limits = [f"{problem.table[k].name} {end}" for k in problem.limited for end in ("lowest", "highest")]
-        own = problem.functions.axis_names(Axis.PARAMETERS)
-        self.own = [*own, *limits]
-        self._places = {name: self.sizes[0] + n for n, name in enumerate(self.own)}
-        self._places |= {short: self._places[name] for short, name in _without_places(self.own).items()}
-        self._names = list(names)
-        others = [name for name in names if name not in self._places]
+        self.sizes = (system.nb, len(functions), len(limits))
+        self.places = {name: system.nb + n for n, name in enumerate([*functions, *limits])}
+        self.places |= {short: self.places[name] for short, name in _without_places([*self.places]).items()}
+        others = [name for name in self.names if name not in self.places]
         try:
             self._parameters = Parameters(system, others) if others else None
         except UnknownParameter as error:
             raise SarrusError(
-                f"{error}. Or of a function or limit: {suggest(others[0], self._places)}"
+                f"{error}. Or of a function or limit: {suggest(others[0], self.places)}"
             ) from None
         if self._parameters and self._parameters.names != others:
             raise SarrusError(f"name numbers one by one: {', '.join(self._parameters.names)}")
-
-    def nothing(self) -> Array:
-        return np.zeros(sum(self.sizes))
 
     def row(self, stratum: Stratum, x: Array) -> Array:
         """lam·(rows_b - goal_b) + c·u_b at a point (all numbers,)."""
         p, weights = self.problem, stratum.weights(x)
         real, (lam, own) = x[: p.n] * p.scale, p.unscaled(weights)
-        by_b = p.system.Phi_b(real).T @ lam
-        by_own = p.functions.Phi_b(real).T @ own
+        by_b, by_own = p.system.Phi_b(real).T @ lam, p.functions.Phi_b(real).T @ own
         by_limits = np.zeros((len(p.limited), 2))
-        for limit in stratum.active:
-            table = p.limited[limit[0]]
-            by_limits[limit] = (
-                -x[stratum.multiplier(limit)] * p.table[table].slope(_bound(p, limit)) / p.units[table]
-            )
+        for i, end in stratum.active:
+            k = p.limited[i]
+            slope = p.table[k].slope(float(p.limits[int(k)][end])) / p.units[k]
+            by_limits[i, end] = -x[stratum.multiplier((i, end))] * slope
         return np.concatenate([by_b[: self.sizes[0]], by_own[: self.sizes[1]], by_limits.reshape(-1)])
 
-    def derivatives(self, total: Array) -> Array:
+    def derivatives(self, total: Array) -> dict[str, float]:
         """Return the derivatives by the requested names."""
-        system = self.problem.system
-        found = {name: float(total[place]) for name, place in self._places.items()}
+        from ...sensitivity.chain.chain import Gradients
+
+        found = {name: float(total[place]) for name, place in self.places.items()}
         if self._parameters:
-            none = np.zeros((system.nq, 1))
-            by_b = np.zeros((len(system.b), 1))
-            by_b[: self.sizes[0], 0] = total[: self.sizes[0]]
-            by_c = np.zeros((len(system.joint_coordinates.b), 1))
-            rates = self._parameters.gradient(Gradients(by_b, none, none), by_c)
-            found |= {
-                name: float(rate) for name, rate in zip(self._parameters.names, rates[:, 0], strict=True)
-            }
-        return np.array([found[name] for name in self._names])
-
-
-def _bound(problem: Problem, limit: tuple[int, int]) -> float:
-    return float(problem.limits[int(problem.limited[limit[0]])][limit[1]])
+            system, nb = self.problem.system, self.sizes[0]
+            none, by_c = np.zeros((system.nq, 1)), np.zeros((len(system.joint_coordinates.b), 1))
+            by_b = np.pad(total[:nb], (0, len(system.b) - nb))[:, None]
+            rates = self._parameters.gradient(Gradients(by_b, none, none), by_c)[:, 0].tolist()
+            found |= zip(self._parameters.names, rates, strict=True)
+        return {name: found[name] for name in self.names}

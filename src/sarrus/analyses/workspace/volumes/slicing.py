@@ -33,12 +33,8 @@ FAR, HALVINGS = 0.2, 3  # free of units: points of curves that move farther are 
 NEAREST = 8  # random positions, moved to a slice, from which it begins
 NEARLY = 1e-3  # of the size of slices: so far their polylines may be from their curves
 PER_TASK = 4  # slices that are handed to a worker at once
-TRIES = (  # for a slice of which a curve was lost: shorter steps, and shifts in units of the third output
-    (1.0, 0.0),
-    (0.5, 0.0),
-    (0.5, 1e-5),
-    (0.5, -1e-5),
-)
+# For a slice of which a curve was lost: shorter steps, and shifts in units of the third output
+TRIES = ((1.0, 0.0), (0.5, 0.0), (0.5, 1e-5), (0.5, -1e-5))
 
 
 class Task(NamedTuple):
@@ -108,12 +104,9 @@ class Slicer:
         known when it was made; that leaves those that were made before a neighbour.
         """
         order = list(self.known)
-        pairs = pairwise(sorted(height for height, one in self.known.items() if one.success))
-        wrong = {
-            one
-            for one, other in (sorted(pair, key=order.index) for pair in pairs)
-            if self._differ(one, other)
-        }
+        good = sorted(height for height, one in self.known.items() if one.success)
+        pairs = [sorted(pair, key=order.index) for pair in pairwise(good)]
+        wrong = {one for one, other in pairs if self._differ(one, other)}
         for height in wrong:
             self._remade[height] += 1
             one = self.known.pop(height)  # the new one comes last in the order
@@ -130,10 +123,8 @@ class Slicer:
     def around(self, height: float) -> list[Slice]:
         """The nearest complete slices on both sides."""
         good = sorted(z for z, one in self.known.items() if one.success)
-        return [
-            self.known[z]
-            for z in (*good[: bisect_left(good, height)][-1:], *good[bisect(good, height) :][:1])
-        ]
+        below, above = bisect_left(good, height), bisect(good, height)
+        return [self.known[z] for z in (*good[max(below - 1, 0) : below], *good[above : above + 1])]
 
     def _map(self, heights: Sequence[float]) -> None:
         """Make slices, or make them again, from those around them that are known and complete."""
@@ -274,26 +265,15 @@ def _as_slice(height: float, map_: WorkspaceMap, moved: float, derivatives: bool
     if not map_.branches:
         return Slice(height, 0.0, 0.0, (), (), False)
     p, region = map_.problem, map_.region()
-    rates, kinked = area_rates(p, region) if derivatives else (None, 0.0)
     units = p.units[p.outputs]
-    unit, perimeter = float(units.prod()), region.perimeter * float(units.max())
+    error = region.area_error() * float(units.prod()) + moved * region.perimeter * float(units.max())
+    areas = region.area * float(units.prod()), error
     starts = [(branch.stratum.key, branch.points[len(branch.points) // 2].x) for branch in map_.branches]
     starts += [(vertex.key, vertex.q) for vertex in map_.explorer.vertices if vertex.kind == "corner"]
     curves = region.curves([p.table[k].name for k in p.limited])
     barriers = tuple(curve.u for curve in curves if curve.kind == "barrier" and not curve.again)
-    error = region.area_error() * unit + moved * perimeter
-    closed = map_.is_closed
-    return Slice(
-        height,
-        region.area * unit,
-        error,
-        tuple(_loops(region)),
-        barriers,
-        closed,
-        tuple(starts),
-        rates,
-        kinked,
-    )
+    rates = area_rates(region) if derivatives else (None, 0.0)
+    return Slice(height, *areas, tuple(_loops(region)), barriers, map_.is_closed, tuple(starts), *rates)
 
 
 def _loops(region: Region) -> Iterator[Loop]:

@@ -28,6 +28,7 @@ from .quadrature import FIRST, Integral
 from .slicing import NEARLY, Job, Slicer, outside_of
 from .surface_from_slices import surface
 
+Heights = tuple[float, float]  # lowest and highest
 WALK = 5  # positions of a random walk from each assembled one
 
 
@@ -39,7 +40,7 @@ def workspace_volume(
     *,
     limits: Limits | None = None,
     fixed: Mapping[Any, float] | None = None,
-    between: tuple[float, float] | None = None,
+    between: Heights | None = None,
     rtol: float = 1e-4,
     most: int = 600,
     samples: int = 150,
@@ -99,7 +100,7 @@ def workspace_volume(
     return found
 
 
-def _refuse(names: tuple[Any, ...], rtol: float, between: tuple[float, float] | None) -> None:
+def _refuse(names: tuple[Any, ...], rtol: float, between: Heights | None) -> None:
     if len(names) != 3:
         raise SarrusError(f"output: a volume has three outputs, got {len(names)}. Name three.")
     if not 0 < rtol < np.inf:
@@ -123,10 +124,10 @@ def _shortcomings(found: WorkspaceVolume, rtol: float) -> Iterator[str]:
 class _Volume:
     """The steps to a volume; what was found when they end early is given, too."""
 
-    def __init__(self, problem: Problem, job: Job, between: tuple[float, float] | None) -> None:
-        self.problem, self.job, self.between = problem, job, between
+    def __init__(self, problem: Problem, job: Job, between: Heights | None) -> None:
+        self.problem, self.job, self.between = problem, job, between or (-np.inf, np.inf)
         self.reach: WorkspaceRange | None = None
-        self.ranges: tuple[tuple[float, float], ...] = ()
+        self.ranges: tuple[Heights, ...] = ()
         self.integral: Integral | None = None
         self.outside = self.tested = 0
 
@@ -136,7 +137,9 @@ class _Volume:
         height = job.output[2]
         with collecting():
             reach = workspace_range(problem.system, height, limits=job.limits, fixed=job.fixed, seed=job.seed)
-        self.reach, self.ranges = reach, tuple(_cut(reach.intervals, self.between))
+        (lowest, highest), self.reach = self.between, reach
+        cut = [(max(low, lowest), min(high, highest)) for low, high in reach.intervals]
+        self.ranges = tuple((low, high) for low, high in cut if low < high)
         if search_of(reach).stop:
             return
         middle = float(np.mean(self.ranges[0])) if self.ranges else 0.0
@@ -159,9 +162,7 @@ class _Volume:
         stop = stop or (search_of(self.reach).stop if self.reach else None)
         found = sorted(integral.slicer.known.values(), key=lambda one: one.height) if integral else []
         status, message = self._status(found, stop)
-        known = (
-            integral if integral and (stop or status == "mapped") and np.isfinite(integral.error) else None
-        )
+        estimated = integral is not None and np.isfinite(integral.error) and (stop or status == "mapped")
         whole = integral if integral and len(integral.rates) and not stop else None
         first, second, third = (p.table[k] for k in p.outputs)
         return WorkspaceVolume(
@@ -170,8 +171,8 @@ class _Volume:
             self.ranges,
             tuple(integral.critical) if integral else (),
             tuple(found),
-            known.value if known else np.nan,
-            known.error if known else np.nan,
+            integral.value if integral and estimated else np.nan,
+            integral.error if integral and estimated else np.nan,
             *surface([one for one in found if one.success], self.ranges),
             status,
             message,
@@ -186,45 +187,33 @@ class _Volume:
         lost = sum(not one.success for one in found)
         message = f"{lost} of {len(found)} slices are incomplete" if lost else "All slices are complete"
         if not found:
-            message = f"Nothing can be reached {'between these heights' if self.between else 'over a range of heights'}"
+            heights = (
+                "between these heights" if np.any(np.isfinite(self.between)) else "over a range of heights"
+            )
+            message = f"Nothing can be reached {heights}"
         known = self.reach is not None and self.reach.success
-        message += (
-            "" if known else f", and the range of {self.problem.table[self.problem.outputs[2]].title} is not"
-        )
+        third = self.problem.table[self.problem.outputs[2]].title
+        message += "" if known else f", and the range of {third} is not"
         message += f"; {self.outside} of {self.tested} random admissible positions are outside"
         return "mapped" if known and not lost and not self.outside else "incomplete", message
 
 
-def positions_outside(
-    u: Array, slicer: Slicer, ranges: Sequence[tuple[float, float]], between: tuple[float, float] | None
-) -> int:
+def positions_outside(u: Array, slicer: Slicer, ranges: Sequence[Heights], between: Heights) -> int:
     """Number of admissible positions at heights that seemed out of reach, or outside of slices around and at theirs.
 
     Parameters
     ----------
     u : (n, 3) outputs
-    ranges : of heights that can be reached, within `between`
+    ranges : of heights that can be reached
+    between : lowest and highest value of the third output that is asked for
     """
-    lowest, highest = between or (-np.inf, np.inf)
     near = NEARLY * max((high - low for low, high in ranges), default=1.0)
     outside, doubtful = 0, list[Array]()
-    for place in u[(lowest < u[:, 2]) & (u[:, 2] < highest)]:
+    for place in u[(between[0] < u[:, 2]) & (u[:, 2] < between[1])]:
         if not any(low < place[2] < high for low, high in ranges):
             outside += not any(low - near < place[2] < high + near for low, high in ranges)
         elif not any(one.holds(place[:2]) for one in slicer.around(place[2])):
             doubtful.append(place)
     own = slicer.at(place[2] for place in doubtful)
-    missed = [
-        bool(outside_of(one.loops, place[None, :2])[0]) for one, place in zip(own, doubtful, strict=True)
-    ]
-    return outside + sum(missed)
-
-
-def _cut(
-    intervals: Iterable[tuple[float, float]], between: tuple[float, float] | None
-) -> Iterator[tuple[float, float]]:
-    for low, high in intervals:
-        if between is not None:
-            low, high = max(low, between[0]), min(high, between[1])
-        if high > low:
-            yield low, high
+    missed = [outside_of(one.loops, place[None, :2]).any() for one, place in zip(own, doubtful, strict=True)]
+    return outside + int(sum(missed))

@@ -107,17 +107,18 @@ class Integral:
             pass
 
     def _refined(self) -> bool:
-        """Estimate the integral, refine the pieces that miss the most; whether there are any."""
+        """Estimate the integral, keep the best estimate, refine the worst pieces; whether there are any."""
         self.slicer.at(z for piece in self.pieces for z in piece.heights)
         while self.slicer.reconcile():
-            pass
+            self.error = np.inf
         columns = [self._columns(piece) for piece in self.pieces]
         misses = [missed(each[:, 0]) for each in columns]
         errors = np.array([each.sum() for each in misses])
         whole, half = (np.sum([integral(each, n) for each in columns], axis=0) for n in (1, 2))
-        self.value, self.error = float(whole[0]), float(errors.sum() + whole[1])
-        self.kinked, self.rates, self.missed = float(whole[2]), whole[3:], abs(whole[3:] - half[3:])
-        wanted, rest = self.rtol * abs(self.value), float(errors.sum())
+        wanted, rest = self.rtol * abs(float(whole[0])), float(errors.sum())
+        if rest + whole[1] < self.error:  # just after a cut it is not
+            self.value, self.error = float(whole[0]), rest + float(whole[1])
+            self.kinked, self.rates, self.missed = float(whole[2]), whole[3:], abs(whole[3:] - half[3:])
         if self.error <= wanted or rest <= 0.5 * wanted or len(self.slicer.known) >= self.most:
             return False
         pieces = {k: [piece] for k, piece in enumerate(self.pieces)}

@@ -103,14 +103,17 @@ class Integral:
 
     def run(self) -> None:
         """Refine until the error is small enough or there are too many slices."""
-        while self.pieces and self._refined():
+        while self.pieces and (self._refined() or self._reconciled()):
             pass
+
+    def _reconciled(self) -> bool:
+        changed = self.slicer.reconcile()
+        self.error = np.inf if changed else self.error
+        return changed
 
     def _refined(self) -> bool:
         """Estimate the integral, keep the best estimate, refine the worst pieces; whether there are any."""
         self.slicer.at(z for piece in self.pieces for z in piece.heights)
-        while self.slicer.reconcile():
-            self.error = np.inf
         columns = [self._columns(piece) for piece in self.pieces]
         misses = [missed(each[:, 0]) for each in columns]
         errors = np.array([each.sum() for each in misses])

@@ -33,7 +33,7 @@ FAR, HALVINGS = 0.2, 3  # free of units: points of curves that move farther are 
 NEAREST = 8  # random positions, moved to a slice, from which it begins
 NEARLY = 1e-3  # of the size of slices: so far their polylines may be from their curves
 PER_TASK = 4  # slices that are handed to a worker at once
-# For a slice of which a curve was lost: shorter steps, and shifts in units of the third output
+# For a slice of which a curve was lost: shorter steps, and shifts as shares of the range
 TRIES = ((1.0, 0.0), (0.5, 0.0), (0.5, 1e-5), (0.5, -1e-5))
 
 
@@ -55,6 +55,7 @@ class Job(NamedTuple):
     seed: int
     longest: float
     derivatives: bool
+    span: float = 1.0
 
     def problem(self, system: System | None = None) -> Problem:
         """The problem of a slice; a worker makes its own system."""
@@ -163,7 +164,7 @@ def _slice(problem: Problem, job: Job, task: Task) -> Slice:
     """A slice; where curves are lost, as close to a critical height, one that is a little higher or lower."""
     place = _height_of(problem)
     for n, (share, shift) in enumerate(TRIES):
-        moved = shift * float(problem.units[place])
+        moved = shift * job.span
         here = problem.held_at(place, task.height + moved)
         found = _mapped(here, job.seed + n, job.longest * share, task)
         if found.branches and found.is_closed:

@@ -143,7 +143,8 @@ class _Volume:
         if search_of(reach).stop:
             return
         middle = float(np.mean(self.ranges[0])) if self.ranges else 0.0
-        job = job._replace(output=job.output[:2], fixed={**job.fixed, height: middle})
+        span = max((high - low for low, high in self.ranges), default=1.0)
+        job = job._replace(output=job.output[:2], fixed={**job.fixed, height: middle}, span=span)
         positions = [q for walk in Samples(problem, job.seed).walks(samples, WALK) for q in walk]
         u = np.array([problem.values(q)[problem.m + problem.outputs] for q in positions]).reshape(-1, 3)
         u *= problem.units[problem.outputs]

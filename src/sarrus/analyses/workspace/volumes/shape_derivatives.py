@@ -112,19 +112,23 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool 
     SarrusError
         If there is no such number, or the volume was mapped without derivatives.
     """
+    from ...sensitivity.parameters.parameters import listed
+
     refuse_other(found, WorkspaceVolume)
     rates = found.rates
     if rates is None:
         message = "Map it by workspace_volume(..., derivatives=True)"
         raise SarrusError(f"{found.name}: this volume was mapped without derivatives. {message}.")
     assert isinstance(rates.slices, Problem)
-    numbers, of_heights = _Numbers(rates.slices, wrt), _Numbers(search_of(rates.reach).problem, ())
-    by, missed = numbers.derivatives(rates.total), numbers.derivatives(rates.missed)
-    theirs = [name for name in by if name in of_heights.places or name not in numbers.places]
+    slices, heights = (_Numbers(p, ()).places for p in (rates.slices, search_of(rates.reach).problem))
+    none = dict.fromkeys(listed(wrt), 0.0)
+    numbers = _Numbers(rates.slices, [name for name in none if name in slices or name not in heights])
+    theirs = [name for name in none if name in heights or name not in slices]
+    by = none | numbers.derivatives(rates.total)
+    error = none | {name: abs(rate) for name, rate in numbers.derivatives(rates.missed).items()}
     for height, jump in rates.jumps:
         for name, rate in end_gradient(rates.reach, height, theirs).by.items():
             by[name] += jump * rate
-    error = {name: abs(rate) for name, rate in missed.items()}
     return ShapeDerivative("volume", found.volume, by, rates.kinked, error)
 
 

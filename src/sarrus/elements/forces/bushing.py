@@ -126,11 +126,11 @@ def rotation_vector(d_0: Scalar, d: Array) -> tuple[Array, Scalar]:
         cosine = sqrt((1 + cosine) / 2)
         product = product * cosine
         sum_ = sum_ + 1 / (product * cosine * 4**n)
-    square = 1 / (cosine * cosine) - 1
+    negative = 1 - 1 / (cosine * cosine)  # -τ²
     rest: Any = 0
     for n in range(17, 1, -2):
-        rest = Fraction(1, n) - square * rest
-    series = 1 - square * rest
+        rest = Fraction(1, n) + negative * rest
+    series = 1 + negative * rest
     half = series / (product * cosine)  # x / sin x
     vector: Array = 2 * side * half * d
     return vector, sum_ / half + rest / (1024 * series * series)

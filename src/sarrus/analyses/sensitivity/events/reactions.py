@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -12,7 +13,7 @@ from ....algebra import Array
 from ....model.tape import Tracer
 from ....outputs import Level, find_output
 from ....outputs.output import formula_of
-from ....outputs.recording import Angles, States
+from ....outputs.recording import Angles, Key, States
 from ....results import EventStep, StepsTaken
 from ....system import System
 from ..chain.chain import FIELDS, Nodes
@@ -69,6 +70,9 @@ class EventState(Sampling):
     def spread(self, kind: str, places: Array, bar: Array, nodes: Nodes, column: int) -> None:
         """Add the gradients by some coordinates or velocities."""
         (self.by_q if kind == "q" else self.by_v)[places] += bar[0]
+
+    def spread_along(self, bars: Mapping[Key, Array], dots: Nodes, nodes: Nodes) -> None:
+        """Nothing, as the state is not interpolated between nodes."""
 
     def spread_time(self, bar: Array, nodes: Nodes, column: int) -> None:
         """Add the gradient by the time."""

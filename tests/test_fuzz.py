@@ -41,8 +41,8 @@ def test_the_oracle_sees_what_cannot_be() -> None:
     program = (
         "import sys; sys.path.insert(0, sys.argv[1])\n"
         "import numpy as np, sarrus as sr; from attack.oracle import nonsense\n"
-        "from sarrus.io.robot.tree.merge import GivenBody\n"
-        "body = GivenBody('a', mass=1.0, inertia=np.diag([1.0, 1.0, 5.0]))\n"
+        "from sarrus.io.robot.tree.merge import UncheckedBody\n"
+        "body = UncheckedBody('a', mass=1.0, inertia=np.diag([1.0, 1.0, 5.0]))\n"
         "print(list(nonsense(sr.Model('m', bodies=[body]))))\n"
     )
     done = subprocess.run(

@@ -6,7 +6,7 @@ from tests.analyses import linkages
 from tests.verdicts.random_mechanisms import KINDS, mechanism
 
 import sarrus as sr
-from sarrus.io.robot.tree.merge import GivenBody
+from sarrus.io.robot.tree.merge import UncheckedBody
 
 METHODS = [sr.HHT(), sr.HHT(stabilized=True), sr.Radau(), sr.ODE()]
 
@@ -65,7 +65,7 @@ def test_far_from_the_origin() -> None:
 
 @pytest.mark.parametrize("inertia", [0.0, 1e-30])
 def test_missing_inertia_is_named(inertia: float) -> None:
-    system = pendulum(GivenBody, mass=1.0, inertia=inertia * np.eye(3))
+    system = pendulum(UncheckedBody, mass=1.0, inertia=inertia * np.eye(3))
     for analysis in (lambda: sr.modes(system, system.q0), lambda: sr.equilibrium(system)):
         with pytest.raises(sr.ModelError, match="body tip: it has no inertia"):
             analysis()
@@ -77,7 +77,7 @@ def test_missing_inertia_is_named(inertia: float) -> None:
 @pytest.mark.parametrize("moments", [(-1.0, -1.0, -1.0), (-0.1, 0.1, 0.1), (np.nan, 1.0, 1.0)])
 def test_a_negative_inertia_is_refused(moments: tuple[float, ...]) -> None:
     with pytest.raises(sr.ModelError, match='body "link": inertia has the principal moments'):
-        pendulum(GivenBody, mass=1.0, inertia=np.diag(moments))
+        pendulum(UncheckedBody, mass=1.0, inertia=np.diag(moments))
 
 
 def flat_parallelogram(length: float, mass: float) -> sr.System:

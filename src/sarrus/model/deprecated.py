@@ -24,13 +24,13 @@ WITHDRAWN = {
 }
 
 
-class _Withdrawn:
+class _FormerAttribute:
     """An attribute that raises an error."""
 
     def __init__(self, *name: str) -> None:
         self._name = name
 
-    def __get__(self, instance: object, owner: type) -> _Withdrawn:
+    def __get__(self, instance: object, owner: type) -> _FormerAttribute:
         if instance is None:
             return self
         raise AttributeError(withdrawn(*self._name))
@@ -41,7 +41,7 @@ def with_former_names(kind: C) -> C:
     for old, new in ATTRIBUTES.get(kind.__name__, {}).items():
         setattr(kind, old, _deprecated_attribute(kind.__name__, old, new))
     for old in WITHDRAWN.get(kind.__name__, {}):
-        setattr(kind, old, _Withdrawn(kind.__name__, old))
+        setattr(kind, old, _FormerAttribute(kind.__name__, old))
     return kind
 
 

@@ -157,7 +157,7 @@ def _changed(number: Number, new: Any) -> Number:
     return number if same else replace(number, number=new, written="")
 
 
-class GivenNumber(float):
+class NumberOfFile(float):
     """The number that a parameter of a model file has in a function."""
 
     of: str
@@ -167,7 +167,7 @@ def _traced(number: Number) -> Any:
     """A constant of a formula, marked with the parameter whose value it is."""
     if not number.of:
         return number.number
-    found = GivenNumber(number.number)
+    found = NumberOfFile(number.number)
     found.of = number.of
     return found
 
@@ -177,7 +177,7 @@ def in_functions(model: Model) -> dict[str, str]:
     names: dict[str, str] = {}
 
     def note(steps: Steps, value: Any) -> Any:
-        if isinstance(value, GivenNumber):
+        if isinstance(value, NumberOfFile):
             names[named(steps)] = value.of
         return value
 

@@ -50,12 +50,12 @@ def read_scene(file: Path) -> Any:
         raise MissingReaderError(message) from None
     try:
         data = _content(file)
-        beside: Any = _Beside(file)
+        folder: Any = _Folder(file)
         unit = _unit(data) if kind == ".dae" else 1.0
         with np.errstate(all="ignore"):
-            scene: Any = trimesh.load_scene(io.BytesIO(data), kind[1:], resolver=beside, process=False)
-            if beside.refused:
-                raise ValueError(beside.refused)
+            scene: Any = trimesh.load_scene(io.BytesIO(data), kind[1:], resolver=folder, process=False)
+            if folder.refused:
+                raise ValueError(folder.refused)
             if scene.geometry:
                 scene.apply_transform(np.diag([unit, unit, unit, 1.0]))
             _check(scene)
@@ -68,7 +68,7 @@ def read_scene(file: Path) -> Any:
     return scene
 
 
-class _Beside:
+class _Folder:
     """The files that a mesh file names; they must be in the same folder or below, links followed."""
 
     def __init__(self, file: Path) -> None:

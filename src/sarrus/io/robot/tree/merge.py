@@ -180,7 +180,7 @@ def bodies_of(
     bodies = []
     for edge in merged.edges:
         name, inertial = names[edge.child], _inertial(merged, edge)
-        kind = Body if inertia == "check" or inertial is MASSLESS else GivenBody
+        kind = Body if inertia == "check" or inertial is MASSLESS else UncheckedBody
         try:
             body = _body(kind, name, inertial, poses[name])
             body.mass_properties()
@@ -207,7 +207,7 @@ GYRATION = 1e-6  # [m] radius of gyration of such a moment where the others are 
 
 
 @dataclass(frozen=True, eq=False)
-class GivenBody(Body):
+class UncheckedBody(Body):
     """A body whose inertia need not be that of a distribution of mass, but may not be negative about any axis."""
 
     def mass_properties(self) -> MassProperties:

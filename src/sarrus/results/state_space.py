@@ -205,16 +205,8 @@ class StateSpace(Result):
         given = self._usual() if frequencies is None else frequencies
         f = np.atleast_1d(as_numbers(given, lambda: "frequencies must be numbers in Hz."))
         values = self.transfer(2j * np.pi * f)
-        return FrequencyResponse(
-            self.name,
-            f,
-            values,
-            self.inputs,
-            self.outputs,
-            self.input_units,
-            self.output_units,
-            warnings=self.warnings,
-        )
+        signals = self.inputs, self.outputs, self.input_units, self.output_units
+        return FrequencyResponse(self.name, f, values, *signals, warnings=self.warnings)
 
     def _usual(self) -> Array:
         """Frequencies that show all poles [Hz]."""

@@ -55,9 +55,9 @@ class Task:
 
     def outcome(self, values: Mapping[str, float]) -> Outcome:
         """Run one case; any failure is a message."""
-        with collecting() as found:
+        with collecting() as warnings:
             outcome = self._tried(values)
-        return outcome._replace(warnings=found.messages)
+        return outcome._replace(warnings=warnings.messages)
 
     def _tried(self, values: Mapping[str, float]) -> Outcome:
         began = time.perf_counter()
@@ -73,15 +73,15 @@ class Task:
     def _responses(self, values: Mapping[str, float]) -> tuple[float, ...]:
         system, start = self.source.made(values)
         times = tuple(t for response in self.responses for t in response.times())
-        found = self.run.found(system, start, times, self.time_limit)
+        result = self.run.found(system, start, times, self.time_limit)
         cache: dict[str, Any] = {}
 
         def lookup(name: str) -> Any:
             if name not in cache:
-                cache[name] = values[name] if name in values else found.lookup(name)
+                cache[name] = values[name] if name in values else result.lookup(name)
             return cache[name]
 
-        return tuple(response.value(found.result, found.t, lookup) for response in self.responses)
+        return tuple(response.value(result.result, result.t, lookup) for response in self.responses)
 
     def prepare(self) -> None:
         """Compile all that cases need, so that worker processes find it in the cache; what fails here fails there."""

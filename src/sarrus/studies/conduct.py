@@ -53,7 +53,7 @@ class Request:
         return {
             "name": self.name,
             "model": facts(self.task.source),
-            "parameters": {name: _plain(one) for name, one in self.parameters.items()},
+            "parameters": {name: _plain(parameter) for name, parameter in self.parameters.items()},
             "sample": _listed(self.sample.described()),
             "analysis": self.task.run.described(),
             "responses": dict(described(self.task.responses)),
@@ -64,13 +64,13 @@ class Request:
 
     def units(self) -> dict[str, str]:
         """The units of parameters and responses, where they are known."""
-        system, found = System(self.task.source.model), dict[str, str]()
+        system, units = System(self.task.source.model), dict[str, str]()
         for name in self.parameters:
-            found[name] = units_of_parameters(system.model, [name])[0]
-        for one in self.task.responses:
+            units[name] = units_of_parameters(system.model, [name])[0]
+        for response in self.task.responses:
             with suppress(SarrusError):  # a function, or what only some analyses have
-                found[one.name] = differentiable(one).unit(system)
-        return {name: unit for name, unit in found.items() if unit}
+                units[response.name] = differentiable(response).unit(system)
+        return {name: unit for name, unit in units.items() if unit}
 
     def values(self, case: int) -> dict[str, float]:
         """The parameters of one case."""
@@ -136,10 +136,10 @@ def study(
         If an argument is wrong; this is checked before the first case.
     """
     pool.refuse_inside_start()
-    asked = ask(
+    request = ask(
         model, parameters, responses, analysis=analysis, sample=sample, name=name, time_limit=time_limit
     )
-    return carry_out(asked, folder, workers, executor, retry_failed, progress, total_time_limit)
+    return carry_out(request, folder, workers, executor, retry_failed, progress, total_time_limit)
 
 
 def ask(
@@ -157,18 +157,18 @@ def ask(
     source.check(parameters)
     run = run_of(analysis).started(System(source.model))
     _refuse_guesses(run, parameters)
-    wanted = responses_of(responses)
-    if isinstance(run, Simulation) and any(one.of_errors for one in wanted):
+    formulas = responses_of(responses)
+    if isinstance(run, Simulation) and any(response.of_errors for response in formulas):
         run = replace(run, store_steps=True)
-    task = Task(source, run, wanted, time_limit)
+    task = Task(source, run, formulas, time_limit)
     if not task.responses:
         raise SarrusError("a study needs a response. Give one such as max(slider.x).")
-    found = {key: _parameter(key, given) for key, given in parameters.items()}
+    variables = {key: _parameter(key, given) for key, given in parameters.items()}
     for key, given in parameters.items():
         refuse_other_units(source.model, key, given)
     run.check(System(source.model), task.responses, parameters)
     chosen = sample_of(sample)
-    return Request(name or source.model.name, task, found, chosen, chosen.cases(found))
+    return Request(name or source.model.name, task, variables, chosen, chosen.cases(variables))
 
 
 def _refuse_guesses(run: Run, parameters: Mapping[str, Any]) -> None:
@@ -180,7 +180,7 @@ def _refuse_guesses(run: Run, parameters: Mapping[str, Any]) -> None:
 
 
 def carry_out(
-    asked: Request,
+    request: Request,
     folder: str | Path | None = None,
     workers: int | None = None,
     executor: Executor | None = None,
@@ -190,14 +190,14 @@ def carry_out(
 ) -> StudyTable:
     """Run the cases that are not done yet, in at most `time_limit` seconds. For parameters see `study`."""
     refuse_time_limit(time_limit, "total_time_limit")
-    facts, ended = asked.facts(), list(asked.start_warnings())
+    facts, ended = request.facts(), list(request.start_warnings())
     try:
-        ledger = Ledger(Path(folder), facts, asked.task.source.files) if folder is not None else None
+        ledger = Ledger(Path(folder), facts, request.task.source.files) if folder is not None else None
     except NotSavedError as wrong:
         return replace(table_of(facts, {}), status=NOT_SAVED, warnings=announce([*ended, str(wrong)]))
     outcomes = ledger.found if ledger else {}
     done = {case for case, outcome in outcomes.items() if outcome.success or not retry_failed}
-    jobs = {case: asked.values(case) for case in range(len(asked.cases)) if case not in done}
+    jobs = {case: request.values(case) for case in range(len(request.cases)) if case not in done}
 
     def write(case: int, outcome: Outcome) -> None:
         ledger.write(case, outcome) if ledger else outcomes.__setitem__(case, outcome)
@@ -214,12 +214,12 @@ def carry_out(
 
     status, execution = "finished", ""
     try:
-        with monitor(progress, len(asked.cases), done="ran", unit=" cases") as report:
-            execution = _run(asked.task, jobs, write, workers, executor, tick)
+        with monitor(progress, len(request.cases), done="ran", unit=" cases") as report:
+            execution = _run(request.task, jobs, write, workers, executor, tick)
     except (KeyboardInterrupt, TimeLimit) as end:
         status = "stopped" if isinstance(end, KeyboardInterrupt) else "time limit"
         why = "stopped by the user" if isinstance(end, KeyboardInterrupt) else str(end)
-        ended += [f"{asked.name}: {why}. {len(done)} of {len(asked.cases)} cases are done."]
+        ended += [f"{request.name}: {why}. {len(done)} of {len(request.cases)} cases are done."]
     except NotSavedError as wrong:
         status = NOT_SAVED
         ended += [f"{wrong} Then the same call continues with the cases that are left."]
@@ -255,22 +255,20 @@ def _run(
     return f"in {min(workers, len(jobs))} processes, as asked for"
 
 
-def _parameter(name: str, given: Any) -> Parameter:
+def _parameter(name: str, value: Any) -> Parameter:
     try:
-        return parameter_of(given)
+        return parameter_of(value)
     except SarrusError as wrong:
         raise SarrusError(f"parameter {name!r}: {wrong}") from None
 
 
-def _plain(one: Parameter) -> dict[str, Any]:
-    return {
-        "type": type(one).__name__,
-        **_listed({name: value for name, value in vars(one).items() if name != "texts"}),
-    }
+def _plain(parameter: Parameter) -> dict[str, Any]:
+    entries = {name: value for name, value in vars(parameter).items() if name != "texts"}
+    return {"type": type(parameter).__name__, **_listed(entries)}
 
 
-def _listed(given: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: list(value) if isinstance(value, tuple) else value for name, value in given.items()}
+def _listed(entries: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in entries.items()}
 
 
 @dataclass(frozen=True)

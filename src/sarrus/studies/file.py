@@ -59,15 +59,15 @@ def read_study_file(path: str | Path, load: Read) -> Request:
     run = file.part(lambda _: run.started(System(model)), "analysis")
     name = data.get("name", place.stem)
     limit = file.part(seconds, "time_limit") if "time_limit" in data else inf
-    wanted = {one.name: one.of for one in responses}
+    formulas = {response.name: response.of for response in responses}
 
-    def asked(_: Any) -> Request:
-        return ask(model, parameters, wanted, analysis=run, sample=sample, name=name, time_limit=limit)
+    def request(_: Any) -> Request:
+        return ask(model, parameters, formulas, analysis=run, sample=sample, name=name, time_limit=limit)
 
     for changed in parameters:
         file.part(partial(refuse_other_units, model, changed), "parameters", changed)
-    found: Request = file.part(asked, "parameters")
-    return found
+    study: Request = file.part(request, "parameters")
+    return study
 
 
 @dataclass(frozen=True)
@@ -87,11 +87,11 @@ class Entries:
 
     def part(self, reader: Callable[[Any], Any], *path: str | int) -> Any:
         """Return the object of an entry; errors name the file and the line."""
-        given: Any = self.document.data
+        entry: Any = self.document.data
         for step in path:
-            given = given[step]
+            entry = entry[step]
         try:
-            return reader(given)
+            return reader(entry)
         except (SarrusError, ValueError) as wrong:
             where, part = self.document.origin.where(path), ".".join(map(str, path))
             raise ModelError(str(wrong), where=where, part=self.kind + part) from None

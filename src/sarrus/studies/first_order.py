@@ -106,20 +106,20 @@ def uncertainty(
     SarrusError
         If an argument is wrong, or the run fails or does not end within the time limit.
     """
-    asked = ask(model, parameters, responses, analysis=analysis, sample=Listed(()))
-    announce(asked.start_warnings())
-    return uncertainty_of(asked, progress, time_limit)
+    request = ask(model, parameters, responses, analysis=analysis, sample=Listed(()))
+    announce(request.start_warnings())
+    return uncertainty_of(request, progress, time_limit)
 
 
 def uncertainty_of(
-    asked: Request, progress: bool | Progress | None = None, time_limit: float | None = None
+    request: Request, progress: bool | Progress | None = None, time_limit: float | None = None
 ) -> Uncertainty:
     """The same for a study that was checked."""
-    run = asked.task.run
-    moments = np.array([_moments(one) for one in asked.parameters.values()]).reshape(-1, 2)
-    names = tuple(asked.parameters)
-    system, start = asked.task.source.made(dict(zip(names, moments[:, 0], strict=True)))
-    outer = Composite([differentiable(response) for response in asked.task.responses])
+    run = request.task.run
+    moments = np.array([_moments(parameter) for parameter in request.parameters.values()]).reshape(-1, 2)
+    names = tuple(request.parameters)
+    system, start = request.task.source.made(dict(zip(names, moments[:, 0], strict=True)))
+    outer = Composite([differentiable(response) for response in request.task.responses])
     if isinstance(run, Simulation):
         motion = _simulated(run, system, start, names, {"progress": progress, "time_limit": time_limit})
     else:

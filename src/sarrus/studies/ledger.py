@@ -129,21 +129,21 @@ def read_study(folder: Path) -> dict[str, Any]:
     """
     place = folder / STUDY
     try:
-        found: dict[str, Any] = json.loads(read_file(place))
-        written, own = found.pop("checksum", None), found.pop("format", None)
+        facts: dict[str, Any] = json.loads(read_file(place))
+        written, version = facts.pop("checksum", None), facts.pop("format", None)
     except NoSavedDataError:
         message = f"{folder}: holds no study, for it has no readable {STUDY}. Check the path."
         raise NoSavedDataError(f"{message} Give the folder of a study.") from None
     except (ValueError, AttributeError, TypeError) as wrong:
         raise wrong if isinstance(wrong, SarrusError) else damaged(place) from None
-    if own != FORMAT:
-        message = f"{place}: is in format {own}, and this version of Sarrus reads format {FORMAT}."
+    if version != FORMAT:
+        message = f"{place}: is in format {version}, and this version of Sarrus reads format {FORMAT}."
         raise SavedDataError(
             f"{message} Open it with the version that wrote it, or study into another folder."
         )
-    if written != _checksum_of(found):
+    if written != _checksum_of(facts):
         raise damaged(place)
-    return found
+    return facts
 
 
 def read_cases(folder: Path, facts: Mapping[str, Any]) -> list[tuple[int, Outcome]]:
@@ -164,7 +164,7 @@ def read_cases(folder: Path, facts: Mapping[str, Any]) -> list[tuple[int, Outcom
 def _read(folder: Path, facts: Mapping[str, Any]) -> tuple[dict[int, Outcome], str, int]:
     """Outcomes by case, the checksum of the last line, and where it ends; what a crash cut off is left out."""
     place = folder / CASES
-    found, last, end = dict[int, Outcome](), _checksum_of(facts), 0
+    outcomes, last, end = dict[int, Outcome](), _checksum_of(facts), 0
     for number, line in enumerate(read_file(place).split(b"\n")[:-1], start=1):
         end += len(line) + 1
         if not line.strip():
@@ -175,8 +175,8 @@ def _read(folder: Path, facts: Mapping[str, Any]) -> tuple[dict[int, Outcome], s
             message = f"{place}:{number}: is damaged: its checksum is wrong. Restore the file from a copy, or delete"
             raise SavedDataError(f"{message} this line and all below it: their cases are run again.")
         case, outcome = _outcome(json.loads(text + "}"))
-        found[case] = outcome
-    return found, last, end
+        outcomes[case] = outcome
+    return outcomes, last, end
 
 
 def _outcome(entry: Mapping[str, Any]) -> tuple[int, Outcome]:

@@ -60,21 +60,15 @@ class DesignTask:
         self, progress: Callable[[int, float], None] | None = None, total_time_limit: float | None = None
     ) -> Optimum:
         """The optimum, or the best design by a time limit."""
-        run, own = self.run, dict[str, Any](analysis=self.run)
+        run, analysis = self.run, dict[str, Any](analysis=self.run)
         if isinstance(run, Simulation):
-            own = {**run.settings, "until": run.until, "start": run.start}
-        common: dict[str, Any] = {
-            **own,
-            **self.options,
-            "bounds": self.bounds,
-            "progress": progress,
-            "total_time_limit": total_time_limit,
-        }
+            analysis = {**run.settings, "until": run.until, "start": run.start}
+        limits = {"bounds": self.bounds, "progress": progress, "total_time_limit": total_time_limit}
+        options: dict[str, Any] = {**analysis, **self.options, **limits}
         if self.objective is None:
-            return fit(self.system, self.misfits, list(self.bounds), **common)
-        return optimize(
-            self.system, self.objective, list(self.bounds), constraints=self.constraints, **common
-        )
+            return fit(self.system, self.misfits, list(self.bounds), **options)
+        options["constraints"] = self.constraints
+        return optimize(self.system, self.objective, list(self.bounds), **options)
 
 
 def read_optimization_file(path: str | Path, load: Read) -> DesignTask:
@@ -108,17 +102,14 @@ def read_optimization_file(path: str | Path, load: Read) -> DesignTask:
     sought = {"name": data.get("name", place.stem), "system": system, "run": run, "options": options}
     bounds = {name: limits for name, (limits, _) in changes.items()}
     if "fit" in data:
-        misfits = [
-            file.part(lambda mapping: _misfit(mapping, place.parent), "fit", k)
-            for k in range(len(data["fit"]))
-        ]
+        misfit = partial(_misfit, folder=place.parent)
+        misfits = [file.part(misfit, "fit", k) for k in range(len(data["fit"]))]
         return DesignTask(bounds=bounds, misfits=misfits, **sought)
     known = partial(_differentiable, run, system)
     objective = file.part(lambda text: known(Response("objective", str(text))), "minimize")
     within = partial(_within, known=known)
-    constraints = [
-        file.part(partial(within, name), "constraints", name) for name in data.get("constraints", {})
-    ]
+    names = data.get("constraints", {})
+    constraints = [file.part(partial(within, name), "constraints", name) for name in names]
     return DesignTask(bounds=bounds, objective=objective, constraints=constraints, **sought)
 
 
@@ -143,27 +134,26 @@ def _differentiable(run: Run, system: System, response: Response) -> Part:
     """A response of an analysis with its derivatives; one that the analysis does not have is refused."""
     run.check(system, [response], ())
     until: float = getattr(run, "until", run.begin)
-    found = differentiable(response)
-    history = next((str(part.title) for part in Composite([found]).parts if not part.pointwise), None)
-    if history is not None and until == run.begin:
-        raise SarrusError(
-            f"{history}: the analysis {run.kind} has one state without a history. Use final(...)."
-        )
-    return found
+    differentiated = differentiable(response)
+    histories = [part.title for part in Composite([differentiated]).parts if not part.pointwise]
+    if histories and until == run.begin:
+        about = f"{histories[0]}: the analysis {run.kind} has one state without a history"
+        raise SarrusError(f"{about}. Use final(...).")
+    return differentiated
 
 
-def _known(mapping: Any, keys: tuple[str, ...], what: str) -> dict[str, Any]:
+def _known(mapping: Any, keys: tuple[str, ...], entry: str) -> dict[str, Any]:
     if not isinstance(mapping, dict):
-        raise SarrusError(f"{what} is a mapping with the keys {', '.join(keys)}. Write it as one.")
+        raise SarrusError(f"{entry} is a mapping with the keys {', '.join(keys)}. Write it as one.")
     for key in mapping:
         if key not in keys:
-            raise SarrusError(f"{what} has no key {key!r}. {suggest(str(key), keys)}")
+            raise SarrusError(f"{entry} has no key {key!r}. {suggest(str(key), keys)}")
     return mapping
 
 
-def _change(given: Any) -> tuple[tuple[float, float], float | None]:
+def _change(entry: Any) -> tuple[tuple[float, float], float | None]:
     """Limits and start of ``{from: 1, to: 60, start: 10}``; any of them may be missing."""
-    mapping = _known(given or {}, ("from", "to", "start"), "a number that may change")
+    mapping = _known(entry or {}, ("from", "to", "start"), "a number that may change")
     low, high = number(mapping.get("from", float("-inf"))), number(mapping.get("to", float("inf")))
     if not low < high:
         raise SarrusError(f"its limits must rise, but are {low:g} and {high:g}")
@@ -173,29 +163,28 @@ def _change(given: Any) -> tuple[tuple[float, float], float | None]:
     return (low, high), start
 
 
-def _within(name: str, given: Any, *, known: Callable[[Response], Part]) -> Within:
-    mapping = _known(given, ("of", "lower", "upper"), "a constraint")
+def _within(name: str, entry: Any, *, known: Callable[[Response], Part]) -> Within:
+    mapping = _known(entry, ("of", "lower", "upper"), "a constraint")
     if "of" not in mapping:
         raise SarrusError("a constraint lacks its formula. Add the key of.")
     limits = {key: number(mapping[key]) for key in ("lower", "upper") if key in mapping}
     return Within(known(Response(str(name), str(mapping["of"]))), **limits)
 
 
-def _misfit(given: Any, folder: Path) -> Misfit:
-    mapping = _known(given, ("of", "file", "time", "column", "sigma"), "a measurement")
+def _misfit(entry: Any, folder: Path) -> Misfit:
+    mapping = _known(entry, ("of", "file", "time", "column", "sigma"), "a measurement")
     for key in ("of", "file", "sigma"):
         if key not in mapping:
             raise SarrusError(f"a measurement lacks the key {key!r}. Add it.")
     output = str(mapping["of"])
-    rows = _columns(
-        folder / str(mapping["file"]), str(mapping.get("time", "t")), str(mapping.get("column", output))
-    )
+    names = str(mapping.get("time", "t")), str(mapping.get("column", output))
+    t, measured = _columns(folder / str(mapping["file"]), *names)
     sigma = number(mapping["sigma"])
     if not sigma > 0:
         raise SarrusError(
             f"sigma must be greater than 0, but is {sigma:g}. Give the standard deviation of the data."
         )
-    return Misfit(output, name=output, at=tuple(rows[0]), data=tuple(rows[1]), sigma=sigma)
+    return Misfit(output, name=output, at=tuple(t), data=tuple(measured), sigma=sigma)
 
 
 def _columns(path: Path, *names: str) -> list[list[float]]:
@@ -212,8 +201,7 @@ def _columns(path: Path, *names: str) -> list[list[float]]:
             raise SarrusError(
                 f"{path}: has no column {name!r}. {suggest(name, known) if known else 'It is empty.'}"
             )
-    found = [[_cell(path, row[known[name]]) for row in table] for name in names]
-    return found
+    return [[_cell(path, row[known[name]]) for row in table] for name in names]
 
 
 def _cell(path: Path, text: str) -> float:
@@ -226,30 +214,30 @@ def _cell(path: Path, text: str) -> float:
     return value
 
 
-def _solver(given: Any) -> str:
-    if not isinstance(given, str) or given not in SOLVERS:
-        raise SarrusError(f"there is no solver {given!r}. {suggest(str(given), SOLVERS)}")
-    return str(given)
+def _solver(name: Any) -> str:
+    if not isinstance(name, str) or name not in SOLVERS:
+        raise SarrusError(f"there is no solver {name!r}. {suggest(str(name), SOLVERS)}")
+    return str(name)
 
 
-def _second_order(given: Any) -> bool:
-    if not isinstance(given, bool):
-        raise SarrusError(f"second_order is true or false, but not {given!r}. Write one of both.")
-    return given
+def _second_order(value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise SarrusError(f"second_order is true or false, but not {value!r}. Write one of both.")
+    return value
 
 
-def _noise(given: Any) -> str:
-    if given not in ("given", "estimated"):
-        raise SarrusError(f"noise is given or estimated, but not {given!r}. Write one of both.")
-    return str(given)
+def _noise(value: Any) -> str:
+    if value not in ("given", "estimated"):
+        raise SarrusError(f"noise is given or estimated, but not {value!r}. Write one of both.")
+    return str(value)
 
 
 OPTIONS: dict[str, Callable[[Any], Any]] = {
     "noise": _noise,
     "solver": _solver,
     "second_order": _second_order,
-    "starts": lambda given: whole(given, "starts"),
-    "seed": lambda given: whole(given, "seed", least=0),
-    "iterations": lambda given: whole(given, "iterations"),
+    "starts": lambda value: whole(value, "starts"),
+    "seed": lambda value: whole(value, "seed", least=0),
+    "iterations": lambda value: whole(value, "iterations"),
     "time_limit": seconds,
 }

@@ -179,24 +179,24 @@ def parameter_of(given: Any) -> Parameter:
     return Values((number(given),))
 
 
-def _of_mapping(given: dict[str, Any]) -> Parameter:
-    count = {"count": whole(given.pop("count"), "count")} if "count" in given else {}
-    if "distribution" in given:
-        name = str(given.pop("distribution"))
-        return Distribution(name, given, **count)
-    if not {"from", "to"} <= given.keys() or given.keys() - {"from", "to", "log"}:
-        message = f"its keys are {', '.join(given) or 'none'}"
+def _of_mapping(entries: dict[str, Any]) -> Parameter:
+    count = {"count": whole(entries.pop("count"), "count")} if "count" in entries else {}
+    if "distribution" in entries:
+        name = str(entries.pop("distribution"))
+        return Distribution(name, entries, **count)
+    if not {"from", "to"} <= entries.keys() or entries.keys() - {"from", "to", "log"}:
+        message = f"its keys are {', '.join(entries) or 'none'}"
         raise SarrusError(f"{message}. Give from and to (and count, log), or distribution and its arguments.")
-    log = given.get("log", False)
+    log = entries.get("log", False)
     if not isinstance(log, bool):
         raise SarrusError(f"log must be true or false, but is {show(log)}. Write one of both.")
-    return Range(given["from"], given["to"], log=log, **count)
+    return Range(entries["from"], entries["to"], log=log, **count)
 
 
-def refuse_other_units(model: Model, name: str, given: Any) -> None:
+def refuse_other_units(model: Model, name: str, values: Any) -> None:
     """Raise a SarrusError for a text among the values of a parameter, ``5 kN/m``, that is in another unit than it."""
     unit = unit_of_parameter(model, name)
-    for text in texts_of(given) if unit else ():
+    for text in texts_of(values) if unit else ():
         powers = unit_of(parse_expression(text), {})
         if not fits(powers, unit):
             expected = "a plain number" if unit == "1" else unit
@@ -204,49 +204,49 @@ def refuse_other_units(model: Model, name: str, given: Any) -> None:
             raise SarrusError(f"{message}. Give it in {expected}, or omit the unit.")
 
 
-def texts_of(given: Any) -> Iterator[str]:
+def texts_of(values: Any) -> Iterator[str]:
     """The texts of a value, a list of values, or the limits of a range; not the name of a distribution."""
-    if isinstance(given, str):
-        yield given
-    elif isinstance(given, Mapping):
-        yield from (value for key, value in given.items() if key != "distribution" and isinstance(value, str))
-    elif isinstance(given, list | tuple):
-        yield from (value for value in given if isinstance(value, str))
+    if isinstance(values, str):
+        yield values
+    elif isinstance(values, Mapping):
+        yield from texts_of([value for key, value in values.items() if key != "distribution"])
+    elif isinstance(values, list | tuple):
+        yield from (value for value in values if isinstance(value, str))
     else:
-        yield from getattr(given, "texts", ())
+        yield from getattr(values, "texts", ())
 
 
-def number(given: Any) -> float:
+def number(value: Any) -> float:
     """A number, or a text such as ``20 mm``, in SI units."""
     try:
-        found = parse_expression(given).value() if isinstance(given, str) else given
+        result = parse_expression(value).value() if isinstance(value, str) else value
     except ModelError as wrong:
-        raise SarrusError(f"{given!r} {wrong.message}") from None
-    if isinstance(found, bool) or not isinstance(found, int | float | np.number):
+        raise SarrusError(f"{value!r} {wrong.message}") from None
+    if isinstance(result, bool) or not isinstance(result, int | float | np.number):
         raise SarrusError(
-            f"a number is expected, but {show(given)} is given. Write it as in 1.5e-3 or 20 mm."
+            f"a number is expected, but {show(value)} is given. Write it as in 1.5e-3 or 20 mm."
         )
     try:
-        return float(found)
+        return float(result)
     except OverflowError:
-        raise SarrusError(f"a finite number is expected, but {show(given)} is given.") from None
+        raise SarrusError(f"a finite number is expected, but {show(value)} is given.") from None
 
 
-def seconds(given: Any) -> float:
+def seconds(value: Any) -> float:
     """A time that is greater than 0, in s."""
-    found = number(given)
-    if not found > 0:
-        raise SarrusError(f"a time greater than 0 s is expected, but {show(given)} is given.")
-    return found
+    time = number(value)
+    if not time > 0:
+        raise SarrusError(f"a time greater than 0 s is expected, but {show(value)} is given.")
+    return time
 
 
-def whole(given: Any, what: str, least: int = 1) -> int:
+def whole(value: Any, name: str, least: int = 1) -> int:
     """A whole number, by default of at least 1."""
-    is_number = isinstance(given, int | float | np.number) and not isinstance(given, bool)
-    if not is_number or not isfinite(given) or int(given) != given or given < least:
+    is_number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+    if not is_number or not isfinite(value) or int(value) != value or value < least:
         raise SarrusError(
-            f"{what} must be a whole number of at least {least}, but is {show(given)}. Give one."
+            f"{name} must be a whole number of at least {least}, but is {show(value)}. Give one."
         )
-    if given > LARGEST:
-        raise SarrusError(f"{what} must be at most {LARGEST:,}, but is {show(given)}. Give fewer.")
-    return int(given)
+    if value > LARGEST:
+        raise SarrusError(f"{name} must be at most {LARGEST:,}, but is {show(value)}. Give fewer.")
+    return int(value)

@@ -149,12 +149,9 @@ def _passed(
 
 
 def _outcome(task: Task, done: Future[Outcome]) -> Outcome:
-    wrong = done.exception()
-    return (
-        done.result()
-        if wrong is None
-        else _lost(task, f"its worker gave up: {type(wrong).__name__}: {wrong}")
-    )
+    if (wrong := done.exception()) is None:
+        return done.result()
+    return _lost(task, f"its worker gave up: {type(wrong).__name__}: {wrong}")
 
 
 def _lost(task: Task, message: str) -> Outcome:

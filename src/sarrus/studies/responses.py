@@ -44,7 +44,7 @@ def reductions(t: Array) -> dict[str, Function]:
         refuse_outside(np.atleast_1d(when), times[0], times[-1])
         return float(np.interp(when, times, over(x)))
 
-    found: dict[str, Callable[..., float]] = {
+    functions: dict[str, Callable[..., float]] = {
         "final": lambda x: float(over(x)[-1]),
         "initial": lambda x: float(over(x)[0]),
         "at": at,
@@ -55,7 +55,7 @@ def reductions(t: Array) -> dict[str, Function]:
         "integral": lambda x: float(np.trapezoid(over(x), times)),
         ERROR: lambda _: 1.0,  # which is not made of histories, see `Response.value`
     }
-    return {name: reduction(name, value) for name, value in found.items()}
+    return {name: reduction(name, value) for name, value in functions.items()}
 
 
 @dataclass(frozen=True)
@@ -80,11 +80,11 @@ class Response:
         """The times [s] at which it asks for a value."""
         if not isinstance(self.of, str):
             return ()
-        nodes = [one for one in self.tree(np.zeros(1)).nodes() if isinstance(one, Call)]
+        nodes = [node for node in self.tree(np.zeros(1)).nodes() if isinstance(node, Call)]
         return tuple(
-            float(one.args[1].value())
-            for one in nodes
-            if one.function.name == "at" and not one.args[1].names()
+            float(node.args[1].value())
+            for node in nodes
+            if node.function.name == "at" and not node.args[1].names()
         )
 
     @property
@@ -106,10 +106,10 @@ class Response:
         """
         if isinstance(self.of, str):
             tree = self._with_errors(self.tree(t), result) if self.of_errors else self.tree(t)
-            found = tree.value({name: lookup(name) for name in tree.names()})
+            value = tree.value({name: lookup(name) for name in tree.names()})
         else:
-            found = self.of(result)
-        number = float(np.ravel(found)[-1]) if np.size(found) else np.nan
+            value = self.of(result)
+        number = float(np.ravel(value)[-1]) if np.size(value) else np.nan
         if not np.isfinite(number):
             raise SarrusError(
                 f"response {self.name!r} is {number}, no finite number. Use a function that is defined there."
@@ -144,17 +144,17 @@ def _error_of(response: Response, run: Any) -> float:
     return float(run.error(differentiable(response)).error)
 
 
-def responses_of(given: Any) -> tuple[Response, ...]:
+def responses_of(responses: Any) -> tuple[Response, ...]:
     """Responses of what a user writes: a mapping of names to formulas or functions, a list of formulas, or one."""
-    if isinstance(given, Mapping):
-        return tuple(Response(str(name), _formula(of, name)) for name, of in given.items())
-    if isinstance(given, str) or callable(given):
-        given = [given]
-    if not isinstance(given, Sequence):
+    if isinstance(responses, Mapping):
+        return tuple(Response(str(name), _formula(of, name)) for name, of in responses.items())
+    if isinstance(responses, str) or callable(responses):
+        responses = [responses]
+    if not isinstance(responses, Sequence):
         raise SarrusError(
-            f"responses must be formulas such as max(slider.x), but are {given!r:.60}. Give one or several."
+            f"responses must be formulas such as max(slider.x), but are {responses!r:.60}. Give one or several."
         )
-    return tuple(Response(_title(of), _formula(of, _title(of))) for of in given)
+    return tuple(Response(_title(of), _formula(of, _title(of))) for of in responses)
 
 
 def _formula(of: Any, name: Any) -> str | Callable[[Any], float]:
@@ -172,12 +172,10 @@ def _title(of: Any) -> str:
 
 def described(responses: tuple[Response, ...]) -> Iterator[tuple[str, str]]:
     """Name and formula of each; of a function, its module and name."""
-    for one in responses:
-        of: Any = one.of
-        yield (
-            one.name,
-            of if isinstance(of, str) else f"{of.__module__}.{getattr(of, '__qualname__', 'function')}",
-        )
+    for response in responses:
+        of: Any = response.of
+        formula = of if isinstance(of, str) else f"{of.__module__}.{getattr(of, '__qualname__', 'function')}"
+        yield response.name, formula
 
 
 def differentiable(response: Response) -> Differentiable | Combined:

@@ -62,13 +62,13 @@ class Run(ABC):
     """Interface of an analysis of a system."""
 
     def __post_init__(self) -> None:
-        for one in fields(self):
-            value = getattr(self, one.name)
-            if one.name in TEXTS and isinstance(value, str):
-                value = TEXTS[one.name](one.name, value)
-                object.__setattr__(self, one.name, value)
-            if one.name in FIELD_CHECKS and value is not one.default:
-                FIELD_CHECKS[one.name](one.name, value)
+        for option in fields(self):
+            value = getattr(self, option.name)
+            if option.name in TEXTS and isinstance(value, str):
+                value = TEXTS[option.name](option.name, value)
+                object.__setattr__(self, option.name, value)
+            if option.name in FIELD_CHECKS and value is not option.default:
+                FIELD_CHECKS[option.name](option.name, value)
 
     kind: ClassVar[str]
 
@@ -142,11 +142,9 @@ class Run(ABC):
 
     def described(self) -> dict[str, Any]:
         """The form in a study file."""
-        options = {f.name: getattr(self, f.name) for f in fields(self)}
-        return {
-            "type": self.kind,
-            **{n: _plain(v) for n, v in options.items() if v is not None and v != np.inf and v != ()},
-        }
+        options = {option.name: getattr(self, option.name) for option in fields(self)}
+        given = {name: _plain(x) for name, x in options.items() if x is not None and x != np.inf and x != ()}
+        return {"type": self.kind, **given}
 
 
 @dataclass(frozen=True)
@@ -189,9 +187,9 @@ class Simulation(Run):
         """Return the simulation with its start for the nominal system."""
         if self.start is None:
             return self
-        found = DesignStart.of(system, self.start)
-        refuse_end(self.until, found.t)
-        return replace(self, start=found)
+        start = DesignStart.of(system, self.start)
+        refuse_end(self.until, start.t)
+        return replace(self, start=start)
 
     def assembled(self, system: System, start: Start) -> Assembly:
         """Return the start of a case; the nominal state is the estimate."""
@@ -204,12 +202,8 @@ class Simulation(Run):
         """The trajectory."""
         grid = np.unique(np.concatenate([np.linspace(self.begin, self.until, self.steps + 1), times]))
         begin = self.assembled(system, start)
-        watched: dict[str, Any] = {
-            "t_eval": grid,
-            "progress": _watch(until),
-            "store_steps": bool(self.store_steps),
-        }
-        return simulate(system, begin, until=self.until, **watched, **self.settings)
+        options: dict[str, Any] = {"t_eval": grid, "store_steps": bool(self.store_steps), **self.settings}
+        return simulate(system, begin, until=self.until, progress=_watch(until), **options)
 
     def start_warnings(self, system: System) -> tuple[str, ...]:
         """The warnings of the assembly; the cases report its failures."""
@@ -382,7 +376,7 @@ KINDS: dict[str, type[Run]] = {one.kind: one for one in EVERY}
 ANNOTATIONS = {"str": (str, "a text"), "bool": (bool, "true or false")}  # of options that are no numbers
 
 
-def run_of(given: Any, folder: Path | None = None) -> Run:
+def run_of(analysis: Any, folder: Path | None = None) -> Run:
     """A run of what a user writes: ``{"type": "simulate", "until": 5, "method": {"type": "hht", "alpha": -0.1}}``, a
     kind's name, a `Run`, or a function of the system; a saved run that it starts from is relative to the folder.
 
@@ -391,15 +385,15 @@ def run_of(given: Any, folder: Path | None = None) -> Run:
     SarrusError
         For anything else.
     """
-    if isinstance(given, Run):
-        return given
-    if isinstance(given, type) and issubclass(given, Run):
+    if isinstance(analysis, Run):
+        return analysis
+    if isinstance(analysis, type) and issubclass(analysis, Run):
         raise SarrusError(
-            f"the analysis {given.__name__} is a class. Give its options: {given.__name__}(...)."
+            f"the analysis {analysis.__name__} is a class. Give its options: {analysis.__name__}(...)."
         )
-    if callable(given):
-        return OwnRun(given)
-    options = dict(given) if isinstance(given, Mapping) else {"type": given}
+    if callable(analysis):
+        return OwnRun(analysis)
+    options = dict(analysis) if isinstance(analysis, Mapping) else {"type": analysis}
     kind = str(options.pop("type", "simulate"))
     begin = options.get("start")
     if folder is not None and isinstance(begin, Mapping) and "run" in begin:
@@ -408,18 +402,16 @@ def run_of(given: Any, folder: Path | None = None) -> Run:
         options["motion"] = str(folder / str(options["motion"]))
     if kind not in KINDS:
         raise SarrusError(f"there is no analysis {kind!r}. {suggest(str(kind), KINDS)}")
-    run: Run = _built(
-        KINDS[kind], f"the analysis {kind}", {str(name): value for name, value in options.items()}
-    )
+    run: Run = _built(KINDS[kind], f"the analysis {kind}", {str(name): x for name, x in options.items()})
     return run
 
 
-def _built(kind: Any, what: str, options: dict[str, Any]) -> Any:
+def _built(kind: Any, subject: str, options: dict[str, Any]) -> Any:
     """A dataclass, or what a function returns, with its numbers converted."""
     known = signature(kind).parameters
     for name, value in options.items():
         if name not in known:
-            raise SarrusError(f"{what} has no key {name!r}. {suggest(name, known)}")
+            raise SarrusError(f"{subject} has no key {name!r}. {suggest(name, known)}")
         if name == "method":
             options[name] = _method(value)
         elif name in ("start", "motion", *NAMES):
@@ -429,18 +421,18 @@ def _built(kind: Any, what: str, options: dict[str, Any]) -> Any:
         elif (expected := formatannotation(known[name].annotation).strip("'")) in ANNOTATIONS:
             annotation, article = ANNOTATIONS[expected]
             if not isinstance(value, annotation):
-                raise SarrusError(f"{what}: {name} must be {article}, but is {show(value)}. Change it.")
+                raise SarrusError(f"{subject}: {name} must be {article}, but is {show(value)}. Change it.")
         else:
             options[name] = number(value)
     if "until" in known and "until" not in options:
-        raise SarrusError(f"{what} needs an end time. Give until in s.")
+        raise SarrusError(f"{subject} needs an end time. Give until in s.")
     if "motion" in known and "motion" not in options:
-        raise SarrusError(f"{what} needs a motion. Give the folder of a saved run.")
+        raise SarrusError(f"{subject} needs a motion. Give the folder of a saved run.")
     return kind(**options)
 
 
-def _method(given: Any) -> Any:
-    options = dict(given) if isinstance(given, Mapping) else {"type": given}
+def _method(method: Any) -> Any:
+    options = dict(method) if isinstance(method, Mapping) else {"type": method}
     kind = str(options.pop("type", "radau")).lower()
     if kind not in METHODS:
         raise SarrusError(f"there is no method {kind!r}. {suggest(kind, METHODS)}")
@@ -474,15 +466,15 @@ def lookup_of(system: System, result: Any) -> Callable[[str], Any]:
     outputs = motion_outputs(system, result)
 
     def lookup(name: str) -> Any:
-        found = outputs(name)
-        return np.asarray(getattr(found, "value", found), dtype=float)
+        output = outputs(name)
+        return np.asarray(getattr(output, "value", output), dtype=float)
 
     return lookup
 
 
-def _entry(found: Mapping[str, Any], name: str) -> float:
-    if name not in found:
+def _entry(numbers: Mapping[str, Any], name: str) -> float:
+    if name not in numbers:
         raise SarrusError(
-            f"the function returned no {name!r}. {suggest(name, found) if found else 'Return a mapping.'}"
+            f"the function returned no {name!r}. {suggest(name, numbers) if numbers else 'Return a mapping.'}"
         )
-    return float(found[name])
+    return float(numbers[name])

@@ -46,10 +46,10 @@ class Grid(Sample):
     kind = "grid"
 
     def cases(self, parameters: Mapping[str, Parameter]) -> Array:
-        values = [one.grid() for one in parameters.values()]
-        _refuse_many(prod(len(one) for one in values))
-        found = list(product(*values))
-        return np.array(found, dtype=float).reshape(len(found), len(parameters))
+        values = [parameter.grid() for parameter in parameters.values()]
+        _refuse_many(prod(len(parameter) for parameter in values))
+        rows = list(product(*values))
+        return np.array(rows, dtype=float).reshape(len(rows), len(parameters))
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Spread(Sample):
     def cases(self, parameters: Mapping[str, Parameter]) -> Array:
         """Every parameter at its column of the points."""
         u = self.points(len(parameters))
-        columns = [one.at(u[:, k]) for k, one in enumerate(parameters.values())]
+        columns = [parameter.at(u[:, k]) for k, parameter in enumerate(parameters.values())]
         return np.column_stack(columns) if columns else np.zeros((self.count, 0))
 
 
@@ -109,8 +109,8 @@ class Sobol(Spread):
         """SciPy's Sobol sequence."""
         from scipy.stats import qmc
 
-        found = qmc.Sobol(width, seed=np.random.default_rng(self.seed))
-        return np.asarray(found.random_base2(self.count.bit_length() - 1))
+        sequence = qmc.Sobol(width, seed=np.random.default_rng(self.seed))
+        return np.asarray(sequence.random_base2(self.count.bit_length() - 1))
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ class Listed(Sample):
 SPREADS: dict[str, type[Spread]] = {one.kind: one for one in (LatinHypercube, Sobol, MonteCarlo)}
 
 
-def sample_of(given: Any) -> Sample:
+def sample_of(sample: Any) -> Sample:
     """A sample of what a user writes for one: ``{"type": "sobol", "count": 64, "seed": 1}``, or nothing for a grid.
 
     Raises
@@ -148,11 +148,11 @@ def sample_of(given: Any) -> Sample:
     SarrusError
         For anything else.
     """
-    if isinstance(given, Sample):
-        return given
-    options = {"type": given or "grid"} if given is None or isinstance(given, str) else given
+    if isinstance(sample, Sample):
+        return sample
+    options = {"type": sample or "grid"} if sample is None or isinstance(sample, str) else sample
     if not isinstance(options, Mapping):
-        raise SarrusError(f"a sample is a mapping with a type, but is {given!r}. Give one as in Sobol(64).")
+        raise SarrusError(f"a sample is a mapping with a type, but is {sample!r}. Give one as in Sobol(64).")
     entries = {str(key): value for key, value in options.items()}
     kind = entries.pop("type", "grid")
     return _made(str(kind), entries)
@@ -175,7 +175,7 @@ def _made(kind: str, entries: dict[str, Any]) -> Sample:
     return Listed(_rows(entries.get("rows", ()))) if kind == "listed" else Grid()
 
 
-def _rows(given: Any) -> tuple[tuple[float, ...], ...]:
-    if not isinstance(given, Sequence) or not all(isinstance(row, Sequence) for row in given):
+def _rows(rows: Any) -> tuple[tuple[float, ...], ...]:
+    if not isinstance(rows, Sequence) or not all(isinstance(row, Sequence) for row in rows):
         raise SarrusError("the sample listed needs rows of numbers, one for each parameter.")
-    return tuple(tuple(number(value) for value in row) for row in given)
+    return tuple(tuple(number(value) for value in row) for row in rows)

@@ -49,10 +49,10 @@ class Source:
     @classmethod
     def of(cls, model: Model) -> Source:
         """The source of a model; its files are stored if the model still agrees with them."""
-        found: object = model
-        if not isinstance(found, Model):
-            given = type(found).__name__
-            raise TypeError(f"a study needs a Model, got {given}. Call sr.study(sr.load(path), ...).")
+        source: object = model
+        if not isinstance(source, Model):
+            kind = type(source).__name__
+            raise TypeError(f"a study needs a Model, got {kind}. Call sr.study(sr.load(path), ...).")
         files = _files(model)
         if files and fingerprint(System(load(_unpacked(tuple(files.items()))))) != fingerprint(System(model)):
             files = {}  # it was changed in Python after it was read
@@ -85,11 +85,9 @@ class Source:
 
     def readable(self, message: str) -> str:
         """A message without the folder in which the files were written for a case."""
-        return (
-            message.replace(f"{_unpacked(tuple(self.files.items())).parent}{os.sep}", "")
-            if self.files
-            else message
-        )
+        if not self.files:
+            return message
+        return message.replace(f"{_unpacked(tuple(self.files.items())).parent}{os.sep}", "")
 
 
 def _guess(system: System, values: Mapping[str, float]) -> Start:
@@ -97,9 +95,8 @@ def _guess(system: System, values: Mapping[str, float]) -> Start:
     for name, value in values.items():
         for beginning, field_name in GUESS.items():
             if name.startswith(beginning):
-                getattr(start, field_name)[system.coordinate_names.index(name.removeprefix(beginning))] = (
-                    value
-                )
+                place = system.coordinate_names.index(name.removeprefix(beginning))
+                getattr(start, field_name)[place] = value
     return start
 
 

@@ -126,8 +126,8 @@ class StudyTable(Result):
         ends = np.column_stack([self[name] for name in names]) if names else np.zeros((len(self), 0))
         kinds: dict[int, int] = {}
         for case in np.flatnonzero(self.success):
-            alike = [one for one in kinds if _close(ends[one], ends[case], tolerance)]
-            key = alike[0] if alike else int(case)
+            alike = (other for other in kinds if _close(ends[other], ends[case], tolerance))
+            key = next(alike, int(case))
             kinds[key] = kinds.get(key, 0) + 1
         return sorted(kinds.items(), key=lambda kind: -kind[1])
 
@@ -143,10 +143,10 @@ class StudyTable(Result):
         """Return a structured NumPy array with all columns except the messages."""
         numbers = {name: column for name, column in self.columns.items() if name != "message"}
         kinds = [(name, np.asarray(column).dtype) for name, column in numbers.items()]
-        found = np.zeros(len(self), dtype=kinds)
+        rows = np.zeros(len(self), dtype=kinds)
         for name, column in numbers.items():
-            found[name] = column
-        return found
+            rows[name] = column
+        return rows
 
     def to_frame(self) -> Any:
         """Return the table as a pandas DataFrame, units in ``frame.attrs["units"]``; needs the extra `tables`.
@@ -233,7 +233,7 @@ def table_of(facts: Mapping[str, Any], outcomes: Mapping[int, Any]) -> StudyTabl
     values = np.array(facts["cases"], dtype=float)
     responses = tuple(facts["responses"])
     n, r = len(values), len(responses)
-    found, success, seconds = np.full((n, r), np.nan), np.zeros(n, dtype=bool), np.zeros(n)
+    results, success, seconds = np.full((n, r), np.nan), np.zeros(n, dtype=bool), np.zeros(n)
     messages = [""] * n
     for case, outcome in outcomes.items():
         if not case < n:
@@ -241,23 +241,13 @@ def table_of(facts: Mapping[str, Any], outcomes: Mapping[int, Any]) -> StudyTabl
                 f"{facts['name']}: the results hold a case {case}, but there are {n}. "
                 "Repeat the study in another folder."
             )
-        found[case], success[case], seconds[case] = outcome.responses, outcome.success, outcome.seconds
-        messages[case] = outcome.message
+        results[case], success[case] = outcome.responses, outcome.success
+        seconds[case], messages[case] = outcome.seconds, outcome.message
     warned = {case: outcome.warnings for case, outcome in sorted(outcomes.items()) if outcome.warnings}
     names = tuple(facts["parameters"])
-    return StudyTable(
-        facts["name"],
-        names,
-        responses,
-        values.reshape(n, len(names)),
-        found,
-        success,
-        tuple(messages),
-        seconds,
-        facts,
-        warned,
-        warnings=tuple(_warnings(warned, n)),
-    )
+    columns = values.reshape(n, len(names)), results, success, tuple(messages), seconds
+    warnings = tuple(_warnings(warned, n))
+    return StudyTable(facts["name"], names, responses, *columns, facts, warned, warnings=warnings)
 
 
 def _warnings(warned: Mapping[int, tuple[str, ...]], cases: int) -> Iterator[str]:

@@ -83,18 +83,18 @@ def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -
         )
     if run.bodies != tuple(system.bodies):
         raise ValueError(f"{run.name} has other bodies than {system.name}. Give a run of this system.")
-    b, found, states = system.b.copy(), list[Multipliers](), list[RecordedState]()
+    b, solutions, states = system.b.copy(), list[Multipliers](), list[RecordedState]()
     for t, q, v, a in zip(run.t, run.q, run.v, run.a, strict=True):
         system.remember(q, b, t)
-        found.append(multipliers(system, q, v, a, t, b=b))
+        solutions.append(multipliers(system, q, v, a, t, b=b))
         states.append(recorded_state(system, t, q, v, b))
-    lam = np.array([each.lam for each in found]).reshape(-1, system.m)
-    failure = _failure(system, run, np.array([each.missing for each in found]).reshape(-1, system.nq))
+    lam = np.array([each.lam for each in solutions]).reshape(-1, system.m)
+    failure = _failure(system, run, np.array([each.missing for each in solutions]).reshape(-1, system.nq))
     message = failure or "every force is borne by joints and drivers"
     status = "not balanced" if failure else "finished"
     verdict: dict[str, Any] = {"success": not failure, "status": status, "message": message}
-    own = run.analysis == "kinematics" and run.system is system  # its multipliers are these already
-    analysis = run.analysis if own else "inverse dynamics"
+    known = run.analysis == "kinematics" and run.system is system  # its multipliers are these already
+    analysis = run.analysis if known else "inverse dynamics"
     return replace(run, lam=lam, system=system, analysis=analysis, steps=None, **verdict, **histories(states))
 
 

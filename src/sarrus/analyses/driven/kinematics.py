@@ -184,24 +184,24 @@ class _Run:
 
     def _cross(self) -> bool:
         """Note where the motion could have branched; or shorten the step, if it was a leap to another branch."""
-        before, found = self.path.now, self.path.found
-        time = branching_time(self.path, before, found)
+        before, after = self.path.now, self.path.found
+        time = branching_time(self.path, before, after)
         if time is not None:
             self.singular.append(time)
-            found = self.path.step(before, found.t) or found  # its factors
-        self.path.decide(None if time is None else found)
+            after = self.path.step(before, after.t) or after  # its factors
+        self.path.decide(None if time is None else after)
         return True
 
     def _bridge(self) -> bool:
         """Whether the motion can go on over a time of the grid on which the configuration is singular."""
         now, target = self.path.now, float(self.grid[self.count])
-        found = self.path.bridge(now, target)
-        if found is None:
+        instant = self.path.bridge(now, target)
+        if instant is None:
             self._lock(now, float(self.path.control.h), target)
             return False
         self.singular.append(target)
-        self.path.decide(found)
-        self._shortest_multipliers(found, self.count)
+        self.path.decide(instant)
+        self._shortest_multipliers(instant, self.count)
         return True
 
     def _lock(self, now: Instant, h: float, target: float) -> None:
@@ -329,9 +329,9 @@ def last_before(path: Path, before: Instant, h: float) -> Instant:
     """The last state that can be reached: steps are halved until nothing is gained, `h` long at first."""
     shortest = max(FINE * h, ROUND_OFF * abs(before.t))
     while h > shortest:
-        found = path.step(before, before.t + h)
-        if found is not None and found.sign == before.sign:
-            before = found
+        instant = path.step(before, before.t + h)
+        if instant is not None and instant.sign == before.sign:
+            before = instant
         else:
             h *= 0.5
     return before
@@ -374,9 +374,9 @@ def _fold_matrix(path: Path, t: float, q: Array, w: Array, w0: Array) -> csr_arr
 def involved(path: Path, near: Instant) -> str:
     """The joints whose equations become dependent there, those with the largest shares first, and these equations."""
     share = abs(path.weakest(near.t, near.q)[1]) * ~normalizations(path.system)
-    names, found = path.system.row_names, dict[str, list[str]]()
+    names, rows_of_joints = path.system.row_names, dict[str, list[str]]()
     for n in np.argsort(-share, kind="stable"):
         if share[n] > NAMED * share.max():
             joint, row = names[n].split(": ", 1)
-            found.setdefault(joint, []).append(row)
-    return ", ".join(f"{joint} ({', '.join(rows)})" for joint, rows in found.items())
+            rows_of_joints.setdefault(joint, []).append(row)
+    return ", ".join(f"{joint} ({', '.join(rows)})" for joint, rows in rows_of_joints.items())

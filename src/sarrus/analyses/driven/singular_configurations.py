@@ -116,11 +116,11 @@ def singularities(
     """
     refuse_for_positions(system, "singularities")
     path, names = Path(system, motion, grid), tuple(inputs)
-    watch, found = _Watch(system, path, names), list[Singularity]()
+    watch, located = _Watch(system, path, names), list[Singularity]()
     for s in _roots(watch):
-        if not found or abs(s - found[-1].at) > SAME * (path.grid[-1] - path.grid[0]):
-            found.append(_describe(watch, s, names))
-    return Singularities(found)
+        if not located or abs(s - located[-1].at) > SAME * (path.grid[-1] - path.grid[0]):
+            located.append(_describe(watch, s, names))
+    return Singularities(located)
 
 
 class _Watch:

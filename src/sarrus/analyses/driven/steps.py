@@ -90,17 +90,8 @@ class Path:
         others = left_out(system, self.rows)._replace(Phi_q=numbers.views["Phi_q"])  # at the same state
         jacobian: Any = (*matrix, others, *rows, *columns, self._length)
         of = system.joint_coordinates
-        joints: Any = (
-            winding.residual,
-            winding.velocity,
-            of.b,
-            of.angles,
-            winding.values,
-            winding.work,
-            np.zeros(2),
-            *pair,
-            self._revolutions,
-        )
+        coordinates = winding.residual, winding.velocity, of.b, of.angles, winding.values, winding.work
+        joints: Any = (*coordinates, np.zeros(2), *pair, self._revolutions)
         states = (loop.State(*np.zeros((3, nq))) for _ in range(2))
         return loop.Solver(
             motion_entries(system), self.b, system.memory_places, loop.Jacobian(*jacobian), loop.Joints(*joints),
@@ -187,12 +178,12 @@ class Path:
         for array, values in zip(state, instant[1:4], strict=True):
             array[:] = values
 
-    def decide(self, found: Instant | None) -> None:
+    def decide(self, instant: Instant | None) -> None:
         """Let the loop go on from a state, or with a shorter step."""
-        self.control.verdict = loop.MISSED if found is None else loop.FOUND
-        if found is not None:
-            self._put(found, self._solver.found)
-            self.control.t_found, self.control.sign_found = found.t, found.sign
+        self.control.verdict = loop.MISSED if instant is None else loop.FOUND
+        if instant is not None:
+            self._put(instant, self._solver.found)
+            self.control.t_found, self.control.sign_found = instant.t, instant.sign
 
     def instant(self, t: float, q: Array) -> Instant | None:
         """The state at a time, from coordinates nearby, or nothing if Newton's method does not get there."""

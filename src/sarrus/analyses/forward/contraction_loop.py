@@ -240,11 +240,11 @@ class CurvedParameters(NamedTuple):
             For parameters of tables and formulas, and coordinates that no joint has.
         """
         bent, pairs = parameters.second(system)
-        for one in (parameters, bent):
-            one.refuse_curves(system, "Leave it out.")
-        of_c = [np.zeros((0, one.b.shape[1])) for one in (parameters, bent)]
-        if independent is not None:
-            of_c = [one.of_coordinates(system, independent) for one in (parameters, bent)]
+        of_c = []
+        for changes in (parameters, bent):
+            changes.refuse_curves(system, "Leave it out.")
+            none = np.zeros((0, changes.b.shape[1]))
+            of_c.append(none if independent is None else changes.of_coordinates(system, independent))
         b = np.hstack([input_changes(system, inputs), parameters.b, bent.b])
         c = np.hstack([np.zeros((len(of_c[0]), len(inputs))), *of_c])
         count = len(inputs) + len(parameters.names)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from sys import getrefcount
 from types import SimpleNamespace
@@ -20,7 +20,7 @@ from . import forward_loop as loop
 from .forward_hessian import ForwardHessian
 from .forward_loop import PivotedFunction, PivotOrder
 from .parameter_changes import ParameterChanges, curve_changes, minimum_norm_changes
-from .state_arguments import number
+from .state_arguments import InputValues, number
 
 if TYPE_CHECKING:
     from .forward_dynamics import ForwardDynamics
@@ -30,8 +30,8 @@ State = tuple[float, Array, Array]  # t, q, v
 
 def _own_references() -> int:
     """References to the last array that are no user's: `_last`, a variable, and an argument; Python 3.14 borrows it."""
-    one = SimpleNamespace(last=np.empty(0))
-    every = one.last
+    owner = SimpleNamespace(last=np.empty(0))
+    every = owner.last
     return getrefcount(every)
 
 
@@ -153,12 +153,7 @@ class DifferentiatedDynamics(CompiledFunction):
         return self._compiled.bound
 
     def __call__(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        t: float = 0.0,
-        u: Mapping[str, float] | None = None,
-        b: ArrayLike | None = None,
+        self, q: ArrayLike, v: ArrayLike, t: float = 0.0, u: InputValues = None, b: ArrayLike | None = None
     ) -> ForwardDerivatives:
         """Return accelerations and multipliers with their derivatives, in new arrays; see `ForwardDynamics`.
 
@@ -167,8 +162,7 @@ class DifferentiatedDynamics(CompiledFunction):
         SarrusError
             As `ForwardDynamics`; with `b`, for parameters of the model, which are known for those of the system only.
         """
-        if b is not None and self.parameters:
-            self._parameters.refuse_other(self._system)
+        self._parameters.refuse_other(self._system, b)
         q, v, b = self._dynamics.vectors(q, v, u, b)
         order, t = self._dynamics.order, number("t", t)
         with order.lock:
@@ -185,11 +179,11 @@ class DifferentiatedDynamics(CompiledFunction):
     def _add_curves(self, order: PivotOrder, state: State, b: Array, every: Array) -> None:
         """Add what comes from changes of tables and formulas, with the factors at hand."""
         nq = self._system.nq
-        whole = *state, every[:nq, 0].copy(), every[nq:, 0].copy()
-        every[:, 1 + 2 * nq :] += curve_changes(self._system, order, whole, b, self._changes)
+        solved = *state, every[:nq, 0].copy(), every[nq:, 0].copy()
+        every[:, 1 + 2 * nq :] += curve_changes(self._system, order, solved, b, self._changes)
 
     def _shorten(self, rows: Array, state: State, b: Array, every: Array) -> None:
         """Turn changes of multipliers of independent constraints into those of minimum norm."""
         nq = self._system.nq
-        whole = *state, every[:nq, 0].copy(), every[nq:, 0].copy()
-        every[nq:, 1:] = minimum_norm_changes(self._system, rows, whole, b, self._changes, every[nq:, 1:])
+        solved = *state, every[:nq, 0].copy(), every[nq:, 0].copy()
+        every[nq:, 1:] = minimum_norm_changes(self._system, rows, solved, b, self._changes, every[nq:, 1:])

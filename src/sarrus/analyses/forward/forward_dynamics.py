@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -21,7 +21,7 @@ from .forward_derivatives import DifferentiatedDynamics, ForwardDerivatives
 from .forward_hessian import ForwardHessian
 from .forward_loop import PivotedFunction, PivotOrder
 from .independent_dynamics import IndependentDynamics
-from .state_arguments import number, refuse_no_inputs, vector
+from .state_arguments import InputValues, number, refuse_no_inputs, vector
 
 FLOAT = np.dtype(float)
 MOST = 8  # functions with derivatives that are stored, each with its arrays
@@ -60,19 +60,14 @@ class ForwardDynamics(CompiledFunction):
         self._compiled = PivotedFunction(self.order, loop.forward)
         self._differentiated = dict[tuple[str, ...], DifferentiatedDynamics]()
         self._places = dict[str, Array]()
-        self._unset = [name for name, one in system.inputs.items() if not one.is_set]
+        self._unset = [name for name, quantity in system.inputs.items() if not quantity.is_set]
         self._shape, self._b_shape = (system.nq,), system.b.shape
 
     def _bound(self) -> LastingFunction:
         return self._compiled.bound
 
     def __call__(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        t: float = 0.0,
-        u: Mapping[str, float] | None = None,
-        b: ArrayLike | None = None,
+        self, q: ArrayLike, v: ArrayLike, t: float = 0.0, u: InputValues = None, b: ArrayLike | None = None
     ) -> Forward:
         """Return accelerations and multipliers.
 
@@ -119,7 +114,7 @@ class ForwardDynamics(CompiledFunction):
         q: ArrayLike,
         v: ArrayLike,
         t: float = 0.0,
-        u: Mapping[str, float] | None = None,
+        u: InputValues = None,
         b: ArrayLike | None = None,
         *,
         wrt: str | Sequence[str] = (),
@@ -174,7 +169,7 @@ class ForwardDynamics(CompiledFunction):
         """
         return IndependentDynamics(self, coordinates, wrt)
 
-    def vectors(self, q: Any, v: Any, u: Mapping[str, float] | None, b: Any) -> tuple[Array, Array, Array]:
+    def vectors(self, q: Any, v: Any, u: InputValues, b: Any) -> tuple[Array, Array, Array]:
         """Return q, v and b as arrays, with the values of inputs in b; what is wrong is refused."""
         if not (isinstance(q, np.ndarray) and q.dtype is FLOAT and q.flags.carray and q.shape == self._shape):
             q = vector("q", q, self._shape)

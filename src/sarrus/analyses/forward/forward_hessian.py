@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +15,7 @@ from . import hessian_loop as loop
 from .contraction_loop import CurvedParameters, equations_of, state_of
 from .forward_loop import PivotedFunction
 from .parameter_changes import ParameterChanges
-from .state_arguments import number, vector
+from .state_arguments import InputValues, number, vector
 
 if TYPE_CHECKING:
     from .forward_dynamics import ForwardDynamics
@@ -72,7 +71,7 @@ class ForwardHessian(CompiledFunction):
         v: ArrayLike,
         weights: ArrayLike,
         t: float = 0.0,
-        u: Mapping[str, float] | None = None,
+        u: InputValues = None,
         b: ArrayLike | None = None,
     ) -> Array:
         """Return the second derivatives (2 nq + nu + p, 2 nq + nu + p), exact, and symmetric to round-off.
@@ -88,8 +87,7 @@ class ForwardHessian(CompiledFunction):
             As `ForwardDynamics`; where constraints are redundant; with `b`, for parameters of the model, which are
             known for those of the system only.
         """
-        if b is not None and self.parameters:
-            self._parameters.refuse_other(self._dynamics.system)
+        self._parameters.refuse_other(self._dynamics.system, b)
         q, v, b = self._dynamics.vectors(q, v, u, b)
         H, every = np.empty((self._count, self._count)), self._weights(weights)
         with self._dynamics.order.lock:

@@ -91,24 +91,8 @@ def hessian(
     if not fit(of, b, weights, nq + len(lam), H, 2 * nq + len(by.first) - 1):
         return -1.0
     trust = derivatives(
-        entries,
-        work,
-        matrix,
-        others,
-        phi,
-        forces,
-        combinations,
-        a,
-        lam,
-        right,
-        columns,
-        least,
-        b,
-        t,
-        q,
-        v,
-        slopes,
-    )
+        entries, work, matrix, others, phi, forces, combinations, a, lam, right, columns, least, b, t, q, v, slopes,
+    )  # fmt: skip
     if trust > least:
         for k in range(len(weighted)):
             weighted[k] = weights[k]

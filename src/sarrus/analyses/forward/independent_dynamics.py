@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from threading import Lock
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -27,7 +27,7 @@ from ..position.coordinate_set import CoordinateSet, of_names
 from .forward_loop import PivotedFunction, forward
 from .independent_hessian import IndependentHessian
 from .parameter_changes import ParameterChanges
-from .state_arguments import number
+from .state_arguments import InputValues, number
 
 if TYPE_CHECKING:
     from .forward_dynamics import ForwardDynamics
@@ -97,7 +97,7 @@ class IndependentDynamics(CompiledFunction):
         refuse_other_system(system, "in_coordinates", nonholonomic=NONHOLONOMIC, unset=True)
         CHECKS["variables"]("coordinates", coordinates)
         self._dynamics, self._system, self._lock = dynamics, system, Lock()
-        self.inputs = tuple(name for name, one in system.inputs.items() if not one.driving and not one.varies)
+        self.inputs = tuple(name for name, u in system.inputs.items() if not u.driving and not u.varies)
         independent, changes = of_names(system, coordinates), ParameterChanges.of(system, wrt)
         changes.refuse_curves(system)
         self._changes, self.parameters = changes, changes.names
@@ -119,12 +119,7 @@ class IndependentDynamics(CompiledFunction):
         return self._plan.bound(self._system)
 
     def __call__(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        t: float = 0.0,
-        u: Mapping[str, float] | None = None,
-        b: ArrayLike | None = None,
+        self, q: ArrayLike, v: ArrayLike, t: float = 0.0, u: InputValues = None, b: ArrayLike | None = None
     ) -> Matrices:
         """Return A, B and E at a state on the constraints; for arguments see `ForwardDynamics`.
 
@@ -134,8 +129,7 @@ class IndependentDynamics(CompiledFunction):
             In a singular configuration; for coordinates that are dependent or not as many as the degrees of freedom;
             with `b`, for parameters of the model, which are known for those of the system only.
         """
-        if b is not None and self.parameters:
-            self._changes.refuse_other(self._system)
+        self._changes.refuse_other(self._system, b)
         q, v, b = self._dynamics.vectors(q, v, u, b)
         with self._lock:
             self._plan.evaluate(self._system, b, number("t", t), q, v)
@@ -160,12 +154,7 @@ class StateRates(CompiledFunction):
         return self._compiled.bound
 
     def __call__(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        t: float = 0.0,
-        u: Mapping[str, float] | None = None,
-        b: ArrayLike | None = None,
+        self, q: ArrayLike, v: ArrayLike, t: float = 0.0, u: InputValues = None, b: ArrayLike | None = None
     ) -> Array:
         """Return the rates (nx,); for arguments and errors see `ForwardDynamics`."""
         q, v, b = self._dynamics.vectors(q, v, u, b)

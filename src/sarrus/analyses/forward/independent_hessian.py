@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,7 @@ from . import independent_hessian_loop as loop
 from .contraction_loop import CurvedParameters, equations_of, state_of
 from .forward_hessian import Weights
 from .parameter_changes import ParameterChanges
-from .state_arguments import number
+from .state_arguments import InputValues, number
 
 if TYPE_CHECKING:
     from .forward_dynamics import ForwardDynamics
@@ -124,7 +124,7 @@ class IndependentHessian(CompiledFunction):
         v: ArrayLike,
         weights: ArrayLike,
         t: float = 0.0,
-        u: Mapping[str, float] | None = None,
+        u: InputValues = None,
         b: ArrayLike | None = None,
     ) -> Array:
         """Return the second derivatives (nx + nu + p, nx + nu + p) at a state on the constraints.
@@ -141,8 +141,7 @@ class IndependentHessian(CompiledFunction):
         SarrusError
             As `IndependentDynamics`, and for weights of multipliers where constraints are redundant.
         """
-        if b is not None and self._parameters.names:
-            self._parameters.refuse_other(self._system)
+        self._parameters.refuse_other(self._system, b)
         q, v, b = self._dynamics.vectors(q, v, u, b)
         H, every = np.empty((self._count, self._count)), self._weights(weights)
         with self._lock:

@@ -229,26 +229,9 @@ def hessian(
         if weights[nx + k] != 0.0 and matrix.left_out.any():
             return -1.0, FOUND
     trust, dependent = linearized(
-        entries,
-        work,
-        matrix,
-        phi,
-        c,
-        forces,
-        of,
-        combinations,
-        displacing,
-        maps,
-        A,
-        a,
-        lam,
-        True,
-        least,
-        b,
-        t,
-        q,
+        entries, work, matrix, phi, c, forces, of, combinations, displacing, maps, A, a, lam, True, least, b, t, q,
         v,
-    )
+    )  # fmt: skip
     if trust > least and dependent == FOUND:
         at_state(x, equations, t, q, v, a, lam)
         adjoint_variables(phi, c, forces, of, maps, matrix, weights, adjoint, x, equations, coordinates)

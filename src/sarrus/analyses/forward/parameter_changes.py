@@ -92,22 +92,22 @@ class ParameterChanges(NamedTuple):
         SarrusError
             If there is one.
         """
-        for k, name in enumerate(self.names):
-            if self.b[system.nb :, k].any():
+        for name, change in zip(self.names, self.b.T, strict=True):
+            if change[system.nb :].any():
                 raise SarrusError(
                     f"{system.name}: {name} changes a table or formula, for which derivatives are not compiled. "
                     f"{advice}"
                 )
 
-    def refuse_other(self, system: System) -> None:
-        """Refuse parameters of the model: with another b, only the elements' own are known.
+    def refuse_other(self, system: System, b: object) -> None:
+        """Refuse parameters of the model with another b than the system's: only the elements' own are known then.
 
         Raises
         ------
         SarrusError
             If there is one.
         """
-        for name in self.names:
+        for name in () if b is None else self.names:
             if name not in _element_parameters(system):
                 raise SarrusError(
                     f"{system.name}: {name} is no parameter of an element. Leave out b, or name parameters of "
@@ -126,7 +126,7 @@ class ParameterChanges(NamedTuple):
         derivatives = np.zeros((len(measured.b), len(self.names)))
         if not self.names:
             return derivatives
-        own, known = _own_parameters(measured), _own_parameters(every)
+        places, known = _places_of_parameters(measured), _places_of_parameters(every)
         for output, row in zip(independent.outputs, independent.row.tolist(), strict=True):
             if row >= 0 and output.name not in every.names:
                 raise SarrusError(
@@ -134,7 +134,7 @@ class ParameterChanges(NamedTuple):
                     "coordinates of joints or bodies."
                 )
             if row >= 0:
-                derivatives[own[row]] = self.c[known[every.index(output.name)]]
+                derivatives[places[row]] = self.c[known[every.index(output.name)]]
         return derivatives
 
 
@@ -142,10 +142,8 @@ def _refuse_doubled(system: System, names: Sequence[str]) -> None:
     """Refuse a parameter that is named twice, alone or by its vector: it would have one column."""
     count = Counter(names)
     for name in names:
-        vectors = {
-            name.rsplit(".", n)[0] for n in range(1, name.count(".") + 1)
-        } - system.model.parameters.keys()
-        if count[name] > 1 or not vectors.isdisjoint(count):
+        vectors = {name.rsplit(".", n)[0] for n in range(1, name.count(".") + 1)}
+        if count[name] > 1 or not (vectors - system.model.parameters.keys()).isdisjoint(count):
             raise SarrusError(f"{system.name}: wrt has {name} twice. Name each parameter once.")
 
 
@@ -154,7 +152,7 @@ def _element_parameters(system: System) -> frozenset[str]:
     return frozenset(system.parameter_names)
 
 
-def _own_parameters(of: JointCoordinates) -> dict[int, slice]:
+def _places_of_parameters(of: JointCoordinates) -> dict[int, slice]:
     """The parameters of each coordinate among all, by row."""
     parameters = dict[int, slice]()
     for p in of.populations:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import isfinite
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from ...algebra import Array
+
+InputValues: TypeAlias = Mapping[str, float] | None  # by name, or those of the system
 
 
 def vector(name: str, x: Any, *shapes: tuple[int, ...]) -> Array:
@@ -22,18 +24,17 @@ def vector(name: str, x: Any, *shapes: tuple[int, ...]) -> Array:
         If it has another shape.
     """
     try:
-        given = np.asarray(x)
-        if given.dtype.kind not in "biuf":
+        numbers = np.asarray(x)
+        if numbers.dtype.kind not in "biuf":
             raise TypeError
     except (TypeError, ValueError):
         raise TypeError(f"{name} must be real numbers, got {x!r:.60}. Pass a vector of floats.") from None
-    if given.shape not in shapes:
+    if numbers.shape not in shapes:
         allowed = " or ".join(map(str, shapes))
         raise ValueError(
-            f"{name} must have shape {allowed}, got {given.shape}. Pass a vector of this length."
+            f"{name} must have shape {allowed}, got {numbers.shape}. Pass a vector of this length."
         )
-    found = np.ascontiguousarray(given, dtype=float)
-    return found if found.flags.writeable else found.copy()
+    return np.require(numbers, float, ("C", "W"))
 
 
 def number(name: str, value: Any) -> float:
@@ -47,9 +48,9 @@ def number(name: str, value: Any) -> float:
         If it is not finite.
     """
     if type(value) is not float:
-        given = None if isinstance(value, str) or np.iscomplexobj(value) else value
+        real = None if isinstance(value, str) or np.iscomplexobj(value) else value
         try:
-            value = float(given)  # type: ignore[arg-type]
+            value = float(real)  # type: ignore[arg-type]
         except (TypeError, ValueError):
             raise TypeError(f"{name} must be a number, got {value!r:.60}. Pass a float.") from None
     if not isfinite(value):

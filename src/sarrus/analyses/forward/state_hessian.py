@@ -63,8 +63,8 @@ def state_hessian(plant: StateSpace, weights: Mapping[str, float], *, strict: bo
 
 def _by_place(plant: StateSpace, weights: Mapping[str, float]) -> tuple[Array, Array]:
     """The weights of the rates of states (nx,) and of the outputs (ny,)."""
-    given: object = weights
-    if not isinstance(given, Mapping) or not all(isinstance(one, int | float) for one in given.values()):
+    mapping: object = weights
+    if not isinstance(mapping, Mapping) or not all(isinstance(x, int | float) for x in mapping.values()):
         raise TypeError(
             f"weights must be numbers by name, got {weights!r}. Pass a mapping such as {{'pin.angle.rate': 1.0}}."
         )

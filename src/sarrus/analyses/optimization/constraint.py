@@ -47,7 +47,7 @@ class Within:
         return max((abs(end) for end in self.ends if np.isfinite(end)), default=0.0) or 1.0
 
 
-def refuse_others(given: Sequence[Within]) -> tuple[Within, ...]:
+def refuse_others(constraints: Sequence[Within]) -> tuple[Within, ...]:
     """The constraints.
 
     Raises
@@ -55,18 +55,19 @@ def refuse_others(given: Sequence[Within]) -> tuple[Within, ...]:
     TypeError
         For something else among them.
     """
-    for one in given:
-        if not isinstance(one, Within):
+    for constraint in constraints:
+        if not isinstance(constraint, Within):
             raise TypeError(
-                f"constraints: {one!r} is no constraint. Give Within(response, lower=..., upper=...)."
+                f"constraints: {constraint!r} is no constraint. Give Within(response, lower=..., upper=...)."
             )
-    return tuple(given)
+    return tuple(constraints)
 
 
 def excess(values: Array, constraints: Sequence[Within]) -> Array:
     """How far values are beyond their limits, relative to the limits (c,); 0 between them."""
-    low, high = np.array([one.ends for one in constraints]).reshape(-1, 2).T
-    return np.asarray((values - np.clip(values, low, high)) / np.array([one.size for one in constraints]))
+    low, high = np.array([constraint.ends for constraint in constraints]).reshape(-1, 2).T
+    sizes = np.array([constraint.size for constraint in constraints])
+    return np.asarray((values - np.clip(values, low, high)) / sizes)
 
 
 def gap(values: Array, constraints: Sequence[Within]) -> float:

@@ -85,19 +85,19 @@ def fit(
         If the initial estimate cannot be simulated.
     """
     refuse_other_system(system, "fit", unset=bool(settings.get("controllers")))
-    some = _misfits(misfits)
-    end = max(max(one.at) for one in some) if until is None and analysis is None else until
+    measured = _misfits(misfits)
+    end = max(max(misfit.at) for misfit in measured) if until is None and analysis is None else until
     named: dict[str, Any] = {"design": design, "formula": formula, "start": start}
-    problem = Problem(system, some, wrt, until=end, analysis=analysis, **named, **settings)
+    problem = Problem(system, measured, wrt, until=end, analysis=analysis, **named, **settings)
     problem.end_after(total_time_limit)
-    count, size = sum(len(one.at) for one in some), len(problem.names)
+    count, size = sum(len(misfit.at) for misfit in measured), len(problem.names)
     if count < size:
         raise ValueError(
             f"{count} measured numbers cannot determine {size} parameters. Measure more, or fit fewer."
         )
     with collecting(), reporting(progress) as report:
         search = Search(problem, Variables(problem.names, problem.x0, bounds, scale), (), report)
-        squares = Squares(search, some)
+        squares = Squares(search, measured)
         answer = guarded(search, lambda: _answer(squares, iterations, tolerance))
         optimum = optimum_of(search, answer, gauss_newton=squares)
         z = optimum.x / search.variables.scale
@@ -116,7 +116,7 @@ def fit(
     )  # fmt: skip
 
 
-def _misfits(given: Any) -> list[Misfit]:
+def _misfits(misfits: Any) -> list[Misfit]:
     """Return one or several misfits as a list.
 
     Raises
@@ -124,14 +124,14 @@ def _misfits(given: Any) -> list[Misfit]:
     TypeError
         For other responses: only measurements can be fitted.
     """
-    some = list(given) if isinstance(given, Iterable) else [given]
-    wrong = next((one for one in some if not isinstance(one, Misfit)), None)
-    if wrong is not None or not some:
-        message = f"fit needs one or several Misfit, got {type(wrong).__name__ if some else 'none'}"
+    listed = list(misfits) if isinstance(misfits, Iterable) else [misfits]
+    wrong = next((misfit for misfit in listed if not isinstance(misfit, Misfit)), None)
+    if wrong is not None or not listed:
+        message = f"fit needs one or several Misfit, got {type(wrong).__name__ if listed else 'none'}"
         raise TypeError(
             f"{message}. Give sr.Misfit(output, at=times, data=measured), or use optimize for other responses."
         )
-    return some
+    return listed
 
 
 def _answer(squares: Squares, iterations: int, tolerance: float) -> Answer:
@@ -148,11 +148,11 @@ def _answer(squares: Squares, iterations: int, tolerance: float) -> Answer:
     share = min(search.size / abs(search.origin), 1.0) if search.origin else 1.0
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Setting `ftol` below the machine epsilon", UserWarning)
-        found = least_squares(
+        solution = least_squares(
             lambda z: squares.residuals(z) / root, variables.z0, jac=lambda z: squares.jacobian(z) / root,
             bounds=variables.ends.T, xtol=tolerance, ftol=tolerance * share, gtol=tolerance, max_nfev=iterations,
         )  # fmt: skip
-    return Answer(bool(found.success), in_words(str(found.message)))
+    return Answer(bool(solution.success), in_words(str(solution.message)))
 
 
 def _doubt(value: float, spare: int, noise: str) -> str:
@@ -179,14 +179,15 @@ class Squares:
         try:
             return self._known(z)
         except DesignError:
-            return np.full(sum(len(one.at) for one in self.misfits), np.inf)
+            return np.full(sum(len(misfit.at) for misfit in self.misfits), np.inf)
 
     def jacobian(self, z: Array) -> Array:
         """Their derivatives by z, by one sweep forwards."""
         _, slopes = self.search.point(z).signals()
-        refuse_infinite((one.title for one in self.misfits), slopes)
-        found = np.concatenate([slope / one.sigma for one, slope in zip(self.misfits, slopes, strict=True)])
-        scaled = np.asarray(found * self.search.variables.scale)
+        refuse_infinite((misfit.title for misfit in self.misfits), slopes)
+        pairs = zip(self.misfits, slopes, strict=True)
+        derivatives = np.concatenate([slope / misfit.sigma for misfit, slope in pairs])
+        scaled = np.asarray(derivatives * self.search.variables.scale)
         sizes = np.linalg.norm(scaled, axis=0)
         scaled[:, sizes <= NOTHING * sizes.max(initial=0.0)] = 0.0
         self.search.noted(z, scaled.T @ self._known(z))
@@ -203,20 +204,18 @@ class Squares:
 
     def fitted(self, z: Array) -> tuple[Fitted, ...]:
         """The measurements with the values of a design."""
-        signals = self.search.point(z).evaluation().signals
-        return tuple(
-            _fitted(self.search.problem.system, *pair) for pair in zip(self.misfits, signals, strict=True)
-        )
+        pairs = zip(self.misfits, self.search.point(z).evaluation().signals, strict=True)
+        return tuple(_fitted(self.search.problem.system, *pair) for pair in pairs)
 
     def _known(self, z: Array) -> Array:
         signals = self.search.point(z).evaluation().signals
-        return np.concatenate([one.residuals(g) for one, g in zip(self.misfits, signals, strict=True)])
+        return np.concatenate([misfit.residuals(g) for misfit, g in zip(self.misfits, signals, strict=True)])
 
 
-def _fitted(system: System, one: Misfit, values: Array) -> Fitted:
-    unit = find_output(system, one.of).unit if isinstance(one.of, str) else ""
-    t, data = (np.asarray(x, dtype=float) for x in (one.at, one.data))
-    return Fitted(one.output_label, unit, t, data, one.sigma, values)
+def _fitted(system: System, misfit: Misfit, values: Array) -> Fitted:
+    unit = find_output(system, misfit.of).unit if isinstance(misfit.of, str) else ""
+    t, data = (np.asarray(x, dtype=float) for x in (misfit.at, misfit.data))
+    return Fitted(misfit.output_label, unit, t, data, misfit.sigma, values)
 
 
 def _quantile(noise: str, spare: int) -> float:

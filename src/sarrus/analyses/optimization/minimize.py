@@ -108,31 +108,20 @@ def optimize(
             f"tolerance and iterations must be greater than 0, but are {tolerance:g} and {iterations}. "
             "Give positive numbers."
         )
-    several = (
-        list(objective) if isinstance(objective, Sequence) and not isinstance(objective, str) else [objective]
-    )
-    wanted = [*several, *(one.response for one in within)]
-    problem = Problem(
-        system,
-        wanted,
-        wrt,
-        until=until,
-        analysis=analysis,
-        start=start,
-        design=design,
-        formula=formula,
-        **settings,
-    )
+    several = isinstance(objective, Sequence) and not isinstance(objective, str)
+    objectives: Any = objective if several else [objective]
+    responses = [*objectives, *(constraint.response for constraint in within)]
+    settings |= {"analysis": analysis, "start": start, "design": design, "formula": formula}
+    problem = Problem(system, responses, wrt, until=until, **settings)
     problem.end_after(total_time_limit)
     task = Task(within, solver, iterations, tolerance, second_order)
     variables = Variables(problem.names, problem.x0, bounds, scale)
     if starts < 1:
         raise ValueError(f"starts must be 1 at least, but is {starts}. Give a whole number.")
     with reporting(progress) as report:
-        best = (
-            task.solved(problem, variables, report)
-            if starts == 1
-            else optimum_from_many(task, problem, variables, starts, seed, executor, report)
-        )
+        if starts == 1:
+            best = task.solved(problem, variables, report)
+        else:
+            best = optimum_from_many(task, problem, variables, starts, seed, executor, report)
     announce(best.warnings)
     return best

@@ -65,19 +65,19 @@ def balance(search: Search, z: Array, slope: Array) -> Balance:
 
     count, size = len(search.constraints), float(np.linalg.norm(slope))
     limits = [*_of_bounds(search, z, count), *_of_constraints(search, z)] if size > 0 else []
-    lengths = np.array([np.linalg.norm(one.normal) for one in limits])
+    lengths = np.array([np.linalg.norm(limit.normal) for limit in limits])
     if not lengths.any():
         return Balance(slope, np.zeros(count), 0.0, 0.0, np.eye(len(slope)))
-    limits = [one for one, length in zip(limits, lengths, strict=True) if length > 0]
+    limits = [limit for limit, length in zip(limits, lengths, strict=True) if length > 0]
     lengths = lengths[lengths > 0]
-    normals = np.array([one.normal for one in limits]).T / lengths
+    normals = np.array([limit.normal for limit in limits]).T / lengths
     multipliers = nnls(normals, -slope / size)[0] * size
-    slacks = np.array([one.slack for one in limits]) / lengths
+    slacks = np.array([limit.slack for limit in limits]) / lengths
     pressing = multipliers > 0
     left, values, _ = np.linalg.svd(normals[:, pressing])
     return Balance(
         rest=slope + normals @ multipliers,
-        weights=(multipliers / lengths) @ np.array([one.weights for one in limits]),
+        weights=(multipliers / lengths) @ np.array([limit.weights for limit in limits]),
         gain=float(multipliers @ slacks),
         gap=float(max(slacks[pressing], default=0.0)),
         free=left[:, int(np.sum(values > DEPENDENT)) :],
@@ -140,12 +140,12 @@ def _of_constraints(search: Search, z: Array) -> list[Limit]:
     """The constraints whose limits are reached or passed."""
     if not search.constraints:
         return []
-    values, slopes, found = search.others(z), search.other_slopes(z), list[Limit]()
-    for k, (one, value, slope) in enumerate(zip(search.constraints, values, slopes, strict=True)):
-        (low, high), own, near = one.ends, np.eye(len(values))[k], ACTIVE * one.size
-        found += [Limit(slope, own, max(high - value, 0.0))] if value >= high - near else []
-        found += [Limit(-slope, -own, max(value - low, 0.0))] if value <= low + near else []
-    return found
+    values, slopes, limits = search.others(z), search.other_slopes(z), list[Limit]()
+    for k, (constraint, value, slope) in enumerate(zip(search.constraints, values, slopes, strict=True)):
+        (low, high), multiple, near = constraint.ends, np.eye(len(values))[k], ACTIVE * constraint.size
+        limits += [Limit(slope, multiple, max(high - value, 0.0))] if value >= high - near else []
+        limits += [Limit(-slope, -multiple, max(value - low, 0.0))] if value <= low + near else []
+    return limits
 
 
 TRIALS = 16  # designs nearby whose gradients are computed at most
@@ -192,10 +192,10 @@ class Lagrangian:
         Gradients of nearer designs than `NEARBY` are left out: they differ by the noise of simulations.
         """
         here = self.slope(z)
-        seen = [one for one in self.search.gradients.values() if relative(one.z - z, z) >= NEARBY]
-        return curvature_from_gradients(
-            [(one.z - z, one.slope + self._weights @ one.others - here) for one in seen]
+        others = (
+            (x.z - z, x.slope + self._weights @ x.others - here) for x in self.search.gradients.values()
         )
+        return curvature_from_gradients([pair for pair in others if relative(pair[0], z) >= NEARBY])
 
     def change(self, z: Array, step: Array) -> Array | None:
         """The change of the gradient with a step back, from a design nearby; None where none can be simulated."""
@@ -215,14 +215,14 @@ class Lagrangian:
         """
         size = max(relative(step, z), np.finfo(float).tiny)
         low, high = self.search.variables.ends.T
-        found = list[float]()
+        multiples = list[float]()
         for sign in (-1.0, 1.0):
             with np.errstate(divide="ignore", invalid="ignore"):
                 to_limits = np.where(sign * step > 0, high - z, z - low) / abs(step)
             most = float(np.nanmin(np.where(step == 0, np.inf, to_limits)))
             lengths = {float(np.clip(1.0, NEARBY / size, FAR / size)), NEARBY / size}
-            found += [sign * min(length, most) for length in sorted(lengths, reverse=True)]
-        return [length for length in found if abs(length) * size >= 0.5 * NEARBY]
+            multiples += [sign * min(length, most) for length in sorted(lengths, reverse=True)]
+        return [length for length in multiples if abs(length) * size >= 0.5 * NEARBY]
 
 
 def predicted_step(lagrangian: Lagrangian, z: Array, free: Array, rest: Array) -> Array | None:
@@ -277,8 +277,8 @@ def curvature_from_gradients(changes: Sequence[tuple[Array, Array]]) -> Array | 
     curvatures = [float(s @ y) / float(s @ s) for s, y in ordered if s @ y > 0]
     if not curvatures:
         return None
-    found = np.eye(len(ordered[0][0])) * min(curvatures)
+    B = np.eye(len(ordered[0][0])) * min(curvatures)
     for step, change in ordered:
-        corrected = with_change(found, step, change)
-        found = found if corrected is None else corrected
-    return found
+        corrected = with_change(B, step, change)
+        B = B if corrected is None else corrected
+    return B

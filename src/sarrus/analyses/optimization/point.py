@@ -112,13 +112,13 @@ class Point:
         Infeasible
         """
         if self.system is self.problem.system:
-            found = self.problem.start.first
+            start = self.problem.start.first
             announce(self.problem.start_warnings)
         else:
-            found = self._start_of_design()
-        if not found.success:
-            raise DesignError(found.message)
-        return found
+            start = self._start_of_design()
+        if not start.success:
+            raise DesignError(start.message)
+        return start
 
     @property
     def nearest(self) -> bool:
@@ -157,9 +157,10 @@ class Point:
         return dict(zip(self.problem.names, map(float, self.x), strict=True))
 
     def _named(self) -> dict[str, Any]:
-        design, own = self.problem.design, self.design
-        values = None if design is None else {name: own.get(name, value) for name, value in design.items()}
-        return {"wrt": self.problem.names, "design": values, "formula": self.problem.formula}
+        design = self.problem.design
+        if design is not None:
+            design = {name: self.design.get(name, value) for name, value in design.items()}
+        return {"wrt": self.problem.names, "design": design, "formula": self.problem.formula}
 
     @cached_property
     def _variables(self) -> Parameters:
@@ -194,11 +195,11 @@ class Point:
     def _evaluated(self) -> Evaluation:
         parts = self.problem.outer.parts
         try:
-            found = Evaluation(self.system, self._steps, parts, self._variables)
+            evaluation = Evaluation(self.system, self._steps, parts, self._variables)
         except NoSample as error:
             raise DesignError(str(error)) from None
-        self._defined([part.title for part in parts], found.values)
-        return found
+        self._defined([part.title for part in parts], evaluation.values)
+        return evaluation
 
     @property
     def values(self) -> Array:
@@ -224,10 +225,10 @@ class Point:
         NoDerivative
             For a variable whose change alone contradicts equations that others imply, or has no derivative otherwise.
         """
-        found = self.gradient
-        if found.undefined and self.problem.memory is None:
+        gradient = self.gradient
+        if gradient.undefined and self.problem.memory is None:
             self._parameters()
-        return self._known(found.matrix)
+        return self._known(gradient.matrix)
 
     def _known(self, derivatives: Array) -> Array:
         """Derivatives by the variables (…, p), all of which are there."""
@@ -242,9 +243,9 @@ class Point:
     @property
     def gradient(self) -> Gradient:
         """Responses and their gradients, by one sweep backwards."""
-        found = self.problem.outer.gradient(self.of_parts(), self.system)
-        self._defined(found.responses, found.values)
-        return found
+        gradient = self.problem.outer.gradient(self.of_parts(), self.system)
+        self._defined(gradient.responses, gradient.values)
+        return gradient
 
     def of_parts(self) -> Gradient:
         """The gradients of all responses of which those asked for are made."""
@@ -254,9 +255,9 @@ class Point:
 
     def _differentiated(self) -> Gradient:
         problem, began = self.problem, time.perf_counter()
-        parts, own = problem.outer.parts, self._variables
+        parts, variables = problem.outer.parts, self._variables
         if problem.memory is None:
-            return differentiated(self.system, self._steps, parts, own, evaluation=self.evaluation())
+            return differentiated(self.system, self._steps, parts, variables, evaluation=self.evaluation())
         watch, until = problem.limit(began), problem.settings["until"]
 
         def progress(t: float) -> None:  # the limit is that of the simulation
@@ -265,11 +266,11 @@ class Point:
 
         try:
             recipe = recipe_with_steps(self.system, self.start, **problem.settings, events=self.events)
-            found = repeated_gradient(recipe, parts, own, problem.memory, progress=progress)
+            gradient = repeated_gradient(recipe, parts, variables, problem.memory, progress=progress)
         except (RunFailure, NoSample) as error:
             raise DesignError(str(error)) from None
         problem.took(time.perf_counter() - began)
-        return found
+        return gradient
 
     def errors(self) -> list[ErrorEstimate]:
         """The estimated errors of the responses, by one sweep backwards; none where the steps are not stored."""
@@ -294,10 +295,10 @@ class Point:
         nodes, explicit = evaluation.gradients()
         column = (weights @ self.problem.outer.linear(evaluation.values)[1])[:, None]
         by = self._chain().gradients(Nodes(*(getattr(nodes, name) @ column for name in FIELDS)))
-        found = parameters.gradient(
+        gradient = parameters.gradient(
             replace(by, b=by.b + explicit.b @ column), by_joints(explicit.c @ column, by.c)
         )
-        return self._known((found.T + column.T @ own_parts(explicit, parameters))[0])
+        return self._known((gradient.T + column.T @ own_parts(explicit, parameters))[0])
 
     def curved(self, direction: Array, response: int = 0) -> Array:
         """The Hessian of a response times a direction (p,)."""

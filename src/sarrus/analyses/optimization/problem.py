@@ -314,9 +314,8 @@ def refuse_with_controllers(start: Any, memory: float | None) -> None:
 
 def timed(analysis: Analysis, times: Sequence[float]) -> Analysis:
     """An analysis over time, with the times at which responses are taken among its own."""
-    with_times: Any = getattr(analysis, "with_times", lambda _: analysis)
-    found: Analysis = with_times(times)
-    return found
+    with_times: Callable[[Sequence[float]], Analysis] = getattr(analysis, "with_times", lambda _: analysis)
+    return with_times(times)
 
 
 class SolvedPoint(Point):
@@ -327,25 +326,25 @@ class SolvedPoint(Point):
         assert problem.analysis is not None
         problem.refuse_late()
         try:
-            found = problem.analysis(self.system)
+            result = problem.analysis(self.system)
         except (ArithmeticError, SarrusError) as error:
             raise DesignError(str(error)) from error
-        if str(getattr(found, "status", "")) == "stopped":
+        if str(getattr(result, "status", "")) == "stopped":
             raise KeyboardInterrupt
-        if not is_solved(found):
+        if not is_solved(result):
             raise TypeError(
                 "analysis: it must return the result of kinematics, inverse_dynamics, equilibrium, modes or linearize, "
-                f"got {type(found).__name__}. For simulations give until=."
+                f"got {type(result).__name__}. For simulations give until=."
             )
-        if not found.success:
-            raise DesignError(found.message)
+        if not result.success:
+            raise DesignError(result.message)
         problem.took(time.perf_counter() - began)
-        return found
+        return result
 
     def motion(self) -> Any:
         """The driven motion; None for an equilibrium and modes."""
-        found: Any = self.run
-        return found if isinstance(found, Trajectory) else None
+        result: Any = self.run
+        return result if isinstance(result, Trajectory) else None
 
     @property
     def nearest(self) -> bool:
@@ -355,15 +354,15 @@ class SolvedPoint(Point):
     def _evaluated(self) -> Any:
         parts = self.problem.outer.parts
         try:
-            found: ResponsesOfResult = responses_of_result(self.run, parts, lambda _: self._variables)
+            evaluation: ResponsesOfResult = responses_of_result(self.run, parts, lambda _: self._variables)
         except SarrusError as error:  # a mode that only other designs have
             raise DesignError(str(error)) from error
-        self._defined([part.title for part in parts], found.values)
-        return found
+        self._defined([part.title for part in parts], evaluation.values)
+        return evaluation
 
     def _differentiated(self) -> Gradient:
-        found: Gradient = self.evaluation().gradient()
-        return found
+        gradient: Gradient = self.evaluation().gradient()
+        return gradient
 
     @property
     def slopes(self) -> Array:
@@ -384,7 +383,7 @@ class SolvedPoint(Point):
 
     def _with_derivatives(self) -> tuple[list[Array], list[Array]]:
         evaluation = self.evaluation()
-        return evaluation.signals, [self._known(one) for one in evaluation.signals_along()]
+        return evaluation.signals, [self._known(slopes) for slopes in evaluation.signals_along()]
 
     def curved(self, direction: Array, response: int = 0) -> Array:
         """Second derivatives, which are not known.

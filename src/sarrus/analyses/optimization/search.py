@@ -48,25 +48,27 @@ class Gradients(NamedTuple):
     others: Array
 
 
-def _by_name(names: Sequence[str], what: str, given: Any) -> Mapping[str, Any]:
+def _by_name(names: Sequence[str], argument: str, values: Any) -> Mapping[str, Any]:
     """Bounds or scales by the names of the variables; a key is a name as in wrt, and a full name has priority."""
-    if given is None:
+    if values is None:
         return {}
-    named, each = isinstance(given, Mapping), "a pair (low, high)" if what == "bounds" else "a size"
-    if not (all(isinstance(key, str) for key in given) if named else is_list(given)):
-        raise ValueError(f"{what}: it is {given!r:.60}. Give {each} for each variable, or a dict by name.")
+    named, each = isinstance(values, Mapping), "a pair (low, high)" if argument == "bounds" else "a size"
+    if not (all(isinstance(key, str) for key in values) if named else is_list(values)):
+        raise ValueError(
+            f"{argument}: it is {values!r:.60}. Give {each} for each variable, or a dict by name."
+        )
     if not named:
-        if len(given) != len(names):
-            message = f"{what}: there are {len(given)} for {len(names)} variables."
+        if len(values) != len(names):
+            message = f"{argument}: there are {len(values)} for {len(names)} variables."
             raise ValueError(f"{message} Give {each} for each, or a dict by name.")
-        return dict(zip(names, given, strict=True))
-    found: dict[str, Any] = {}
-    for key in sorted(given, key=len):
+        return dict(zip(names, values, strict=True))
+    by_name: dict[str, Any] = {}
+    for key in sorted(values, key=len):
         places = [key] if key in names else [name for name in names if name.startswith(f"{key}.")]
         if not places:
-            raise ValueError(f"{what}: {key!r} is no design variable. {suggest(key, names)}")
-        found |= dict.fromkeys(places, given[key])
-    return found
+            raise ValueError(f"{argument}: {key!r} is no design variable. {suggest(key, names)}")
+        by_name |= dict.fromkeys(places, values[key])
+    return by_name
 
 
 class Variables:
@@ -95,13 +97,10 @@ class Variables:
         bounds, scale = _by_name(names, "bounds", bounds), _by_name(names, "scale", scale)
         self.limits = np.array([_limit(name, bounds.get(name)) for name in names]).reshape(-1, 2)
         self.x0 = np.clip(x0, self.limits[:, 0], self.limits[:, 1])
-        for name, given, used in zip(names, x0, self.x0, strict=True):
-            if given != used:
-                announce(
-                    [
-                        f"{name}: its value {given:.6g} is outside of its bounds. The search starts at {used:.6g}."
-                    ]
-                )
+        for name, value, used in zip(names, x0, self.x0, strict=True):
+            if value != used:
+                about = f"{name}: its value {value:.6g} is outside of its bounds"
+                announce([f"{about}. The search starts at {used:.6g}."])
         self.scale = _scales(self.x0, self.limits)
         for name, size in scale.items():
             if not size > 0:
@@ -130,22 +129,22 @@ class Variables:
 
     def signed(self, problem: Problem) -> Variables:
         """The same, with 0 as the missing limit of a variable that the model accepts with one sign only."""
-        found = copy(self)
-        found.limits = self.limits.copy()
+        signed = copy(self)
+        signed.limits = self.limits.copy()
         for k, x in enumerate(self.x0):
             for side, sign in enumerate((-1.0, 1.0)):
                 if np.isinf(self.limits[k, side]) and sign * x <= 0:
                     beyond = self.x0.copy()
                     beyond[k] = sign * np.finfo(float).tiny
                     if not problem.accepts(beyond):
-                        found.limits[k, side] = 0.0
-        return found
+                        signed.limits[k, side] = 0.0
+        return signed
 
     def beginning(self, x: Array) -> Variables:
         """The same with another start."""
-        found = copy(self)
-        found.x0 = x.copy()
-        return found
+        moved = copy(self)
+        moved.x0 = x.copy()
+        return moved
 
     def random(self, generator: np.random.Generator) -> Array:
         """A design with every variable equally probable between its limits.
@@ -242,16 +241,16 @@ class Search:
         """
         if failure := self._nearest_failure(z):
             raise DesignError(failure)
-        found = self.problem.at(self.variables.of(z))
-        if not found.nearest:
-            raise DesignError(f"its assembly has no derivatives: {found.start.message}")
-        return found
+        design = self.problem.at(self.variables.of(z))
+        if not design.nearest:
+            raise DesignError(f"its assembly has no derivatives: {design.start.message}")
+        return design
 
     def _nearest_failure(self, z: Array) -> str:
         """Return the message of the known design nearest to z; empty if it was simulated."""
         if not self._known:
             return ""
-        return min(self._known, key=lambda one: float(np.linalg.norm(one[0] - z)))[1]
+        return min(self._known, key=lambda known: float(np.linalg.norm(known[0] - z)))[1]
 
     def value(self, z: Array) -> float:
         """The objective.
@@ -270,9 +269,9 @@ class Search:
             self._fail(z, str(error))
             return self._wall(z)[0]
         self._known.append((np.array(z), ""))
-        found = float(values[: self.count].sum())
-        self._note(z, point, found, gap(values[self.count :], self.constraints))
-        return found
+        objective = float(values[: self.count].sum())
+        self._note(z, point, objective, gap(values[self.count :], self.constraints))
+        return objective
 
     def slope(self, z: Array) -> Array:
         """Its gradient by z (p,).
@@ -311,12 +310,9 @@ class Search:
 
     def _steepness(self, key: bytes) -> float:
         """The size of the gradient at a design, as far as it does not press against bounds; NaN if not asked for."""
-        known = self.gradients.get(key)
-        return (
-            np.nan
-            if known is None
-            else float(np.linalg.norm(self.variables.free_gradient(known.z, known.slope)))
-        )
+        if (known := self.gradients.get(key)) is None:
+            return np.nan
+        return float(np.linalg.norm(self.variables.free_gradient(known.z, known.slope)))
 
     @property
     def values(self) -> Array:
@@ -439,12 +435,12 @@ def _print(number: int, value: float) -> None:
     console.report(f"simulation {number}: objective {value:.9g}")
 
 
-def _limit(name: str, given: Any) -> tuple[float, float]:
-    if given is not None and np.shape(given) != (2,):
+def _limit(name: str, bounds: Any) -> tuple[float, float]:
+    if bounds is not None and np.shape(bounds) != (2,):
         raise ValueError(
-            f"the bounds of {name} are two numbers, but are {given}. Give (low, high), with None for none."
+            f"the bounds of {name} are two numbers, but are {bounds}. Give (low, high), with None for none."
         )
-    low, high = given if given is not None else (None, None)
+    low, high = bounds if bounds is not None else (None, None)
     limits = -np.inf if low is None else float(low), np.inf if high is None else float(high)
     if not limits[0] < limits[1]:
         remedy = "Leave it out of the variables" if limits[0] == limits[1] else "Exchange them"

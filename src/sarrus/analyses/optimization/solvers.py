@@ -79,19 +79,18 @@ def by_scipy(
         search.iterate(z)
 
     low, high = search.variables.ends.T
-    bounds = (
-        Bounds(low, high, keep_feasible=method == "trust-constr") if np.isfinite([low, high]).any() else None
-    )
+    bounds = Bounds(low, high, keep_feasible=method == "trust-constr")
+    bounds = bounds if np.isfinite([low, high]).any() else None
     with warnings.catch_warnings():
         # at a wall constraints do not change
         warnings.filterwarnings("ignore", "delta_grad == 0.0", UserWarning)
-        found = minimize(
+        result = minimize(
             search.scaled_value, search.variables.z0, jac=search.scaled_slope,
             method=method, bounds=bounds, constraints=_constraints(search, second_order), tol=tolerance,
             callback=accepted, options={"maxiter": iterations},
             hessp=(lambda z, p: search.curved(z, p) / search.size) if second_order else None,
         )  # fmt: skip
-    return Answer(bool(found.success), in_words(str(found.message)), int(found.nit))
+    return Answer(bool(result.success), in_words(str(result.message)), int(result.nit))
 
 
 def in_words(message: str) -> str:
@@ -107,8 +106,8 @@ def _constraints(search: Search, second_order: bool) -> Any:
 
     if not search.constraints:
         return ()
-    size = np.array([one.size for one in search.constraints])
-    low, high = np.array([one.ends for one in search.constraints]).T / size
+    size = np.array([constraint.size for constraint in search.constraints])
+    low, high = np.array([constraint.ends for constraint in search.constraints]).T / size
 
     def curved(z: Array, multipliers: Array) -> Any:
         others = np.asarray(multipliers) / size
@@ -137,7 +136,7 @@ def by_ipopt(search: Search, iterations: int, tolerance: float, second_order: bo
     n, m = len(search.variables.names), len(search.constraints)
     size = np.array([constraint.size for constraint in search.constraints])
     low, high = np.clip(search.variables.ends.T, -1e20, 1e20)  # beyond 1e19 is infinite to IPOPT
-    ends = np.array([one.ends for one in search.constraints]).reshape(-1, 2).T / size
+    ends = np.array([constraint.ends for constraint in search.constraints]).reshape(-1, 2).T / size
     rows, columns = (np.ravel(x) for x in np.indices((m, n)))
     triangle = np.tril_indices(n)
 

@@ -64,21 +64,21 @@ def optimum_from_many(
         work = task, problem.plain, plan, problem.ending, variables
         waiting = [executor.submit(_elsewhere, *work, begin) for begin in begins]
     local = (partial(_from, task, problem, variables, begin, progress) for begin in begins)
-    found, stopped = list[TrialResult](), False
-    for call in [one.result for one in waiting] or local:
+    results, stopped = list[TrialResult](), False
+    for call in [future.result for future in waiting] or local:
         try:
-            found.append(call())
+            results.append(call())
         except KeyboardInterrupt:
-            if not any(came.optimum for came in found):
+            if not any(result.optimum for result in results):
                 raise
             stopped = True
-        last = found[-1].optimum
+        last = results[-1].optimum
         late = executor is None and (problem.is_late or (last is not None and last.status == "stopped"))
         if stopped or late:
             break
     for future in waiting:
         future.cancel()
-    best = _best(found, count)
+    best = _best(results, count)
     message = f"stopped by the user; {best.message}"
     return replace(best, success=False, status="stopped", message=message) if stopped else best
 
@@ -114,28 +114,26 @@ def _elsewhere(
     return _from(task, problem, variables, begin)
 
 
-def _best(found: list[TrialResult], count: int) -> Optimum:
+def _best(results: list[TrialResult], count: int) -> Optimum:
     """The least optimum, those that succeeded and keep the constraints first; the others beside it."""
-    optima = [came.optimum for came in found if came.optimum is not None]
+    optima = [result.optimum for result in results if result.optimum is not None]
     if not optima:
         raise DesignError(
-            f"None of the designs to start from can be simulated, the first one because {found[0].message} "
+            f"None of the designs to start from can be simulated, the first one because {results[0].message} "
             "Choose another start or other bounds."
         )
-    order = sorted(optima, key=lambda one: (bool(one.constraints) and not one.feasible, one.value))
+    order = sorted(optima, key=lambda best: (bool(best.constraints) and not best.feasible, best.value))
     best = order[0]
-    again = sum(abs(one.value - best.value) <= SAME * (abs(best.value) or 1.0) for one in order)
+    again = sum(abs(optimum.value - best.value) <= SAME * (abs(best.value) or 1.0) for optimum in order)
     message = f"{best.message}; {again} of {count} starts came to it"
-    reports = tuple(_report(came) for came in found)
+    reports = tuple(_report(result) for result in results)
     return replace(best, message=message, starts=tuple(order), start_reports=reports)
 
 
-def _report(came: TrialResult) -> StartReport:
-    number, instead = came.begin.number + 1, came.replaced
-    one = came.optimum
-    note = (
-        f"{instead} random designs before it could not be simulated; " if one is not None and instead else ""
-    )
-    if one is None:
-        return StartReport(number, came.begin.x, np.nan, False, f"cannot be simulated: {came.message}")
-    return StartReport(number, one.x0, one.value, one.success, note + one.message)
+def _report(result: TrialResult) -> StartReport:
+    number, instead = result.begin.number + 1, result.replaced
+    optimum = result.optimum
+    note = f"{instead} random designs before it could not be simulated; " if instead else ""
+    if optimum is None:
+        return StartReport(number, result.begin.x, np.nan, False, f"cannot be simulated: {result.message}")
+    return StartReport(number, optimum.x0, optimum.value, optimum.success, note + optimum.message)

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -72,7 +73,7 @@ def reach_constraints(search: Search, iterations: int) -> Answer | None:
     """Look for a design that meets the constraints by least squares; an answer if there is none near the start."""
     from scipy.optimize import least_squares
 
-    size, count = np.array([one.size for one in search.constraints]), search.count
+    size, count = np.array([constraint.size for constraint in search.constraints]), search.count
 
     def beyond(z: Array) -> Array:
         search.value(z)
@@ -87,15 +88,13 @@ def reach_constraints(search: Search, iterations: int) -> Answer | None:
 
     if not _merit(search)[0] > SATISFIED:
         return None
+    options: dict[str, Any] = {
+        "bounds": search.variables.ends.T,
+        "max_nfev": iterations,
+        "gtol": SATISFIED**2,
+    }
     with suppress(SearchFailure):  # designs nearer to the limits cannot be simulated
-        least_squares(
-            beyond,
-            search.variables.z0,
-            jac=slopes,
-            bounds=search.variables.ends.T,
-            max_nfev=iterations,
-            gtol=SATISFIED**2,
-        )
+        least_squares(beyond, search.variables.z0, jac=slopes, **options)
     search.anchor = search.variables.z0
     assert search.best is not None
     values = search.best.values[count:]
@@ -184,7 +183,7 @@ def optimum_of(
         message += (
             f", {'but' if answer.success else 'and'} a constraint is short of its limit by {short:.2g} of it"
         )
-    errors = [one.error for one in point.errors()[:limited]]
+    errors = [estimate.error for estimate in point.errors()[:limited]]
     units = {*problem.outer.units(problem.system)[:limited]}
     history = search.history
     tried = f"{len(history)} simulations"

@@ -38,7 +38,7 @@ BUDGETS = {
     "analyses/position": Size(1234, 12, 28, 0),
     "analyses/redundancy": Size(340, 4, 10, 0),
     "analyses/sensitivity": Size(7438, 68, 63, 11),
-    "analyses/workspace": Size(3432, 32, 66, 0),
+    "analyses/workspace": Size(3436, 32, 66, 0),
     "bridges": Size(155, 5, 0, 0),
     "cli": Size(1374, 26, 11, 0),
     "elements": Size(2013, 42, 2, 0),

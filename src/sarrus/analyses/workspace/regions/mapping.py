@@ -99,8 +99,7 @@ class StartSearch:
     def ray(self, q: Array) -> Start | None:
         """Return the end of a ray in a random direction."""
         angle = self.random.uniform(0.0, 2 * np.pi)
-        direction = np.array([np.cos(angle), np.sin(angle)])[: len(self.problem.outputs)]
-        return Ray(self.problem, q, direction).end()
+        return Ray(self.problem, q, np.array([np.cos(angle), np.sin(angle)])).end()
 
     def outcome(self, what: str, failure: str) -> tuple[Status, str]:
         """The status, and why: an early end, a failure, or the confidence that nothing is missing."""

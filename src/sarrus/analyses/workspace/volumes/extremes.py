@@ -24,7 +24,7 @@ from ..problem.settle import reach
 from ..problem.watch import STARTS, stopped, watched
 from ..regions.crossing import examine
 from ..regions.mapping import REPEATS, StartSearch
-from ..tracing.starts import Start
+from ..tracing.starts import Ray, Start
 from ..tracing.stratum import SAME, Stratum, apart
 
 MOST_ALIKE = 8  # positions stored with one value and the same active limits
@@ -95,6 +95,15 @@ class Extremes(StartSearch):
         """Search until nothing new is found."""
         while self.more():
             pass
+
+    def begin_at(self, q: Array) -> None:
+        """Start from an admissible position; the direction of a ray is drawn at every start."""
+        self._direction = self.random.choice((-1.0, 1.0), size=1)
+        super().begin_at(q)
+
+    def ray(self, q: Array) -> Start | None:
+        """Return the end of a ray towards higher or lower values."""
+        return Ray(self.problem, q, self._direction).end()
 
     def take(self, start: Start) -> Literal["new", "known"]:
         """Keep another position; one of a family of positions with the same value adds nothing."""

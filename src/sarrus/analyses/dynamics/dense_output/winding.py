@@ -46,20 +46,15 @@ class Winding:
         """A start; without revolutions each angle is nearest to its initial value."""
         self.values, self.first = self._of.with_revolutions(self._of.Phi(q), revolutions), revolutions
 
-    def take(self, nodes: Nodes, t: Array, q: Array, v: Array) -> Array:
-        """Go on along nodes; returns the revolutions (nt, nc) at states between them."""
-        if not self._of.m:
-            return np.zeros((len(t), 0))
-        times = np.concatenate([nodes.t, t])
-        order = np.argsort(times, kind="stable")
-        both_q, both_v = (np.concatenate(x)[order] for x in ((nodes.q, q), (nodes.v, v)))
-        full_revolutions, found = np.zeros((2, len(times), self._of.m))
-        link(loop.count)(
-            self.residual, self.velocity, self._of.b, self._of.angles, times[order], both_q, both_v, self.values,
-            full_revolutions, self.work,
-        )  # fmt: skip
-        found[order] = full_revolutions
-        return np.asarray(found[len(nodes.t) :])
+    def take(self, t: Array, q: Array, v: Array) -> Array:
+        """Go on along states; returns the revolutions (n, nc) there."""
+        full_revolutions = np.zeros((len(t), self._of.m))
+        if self._of.m:
+            link(loop.count)(
+                self.residual, self.velocity, self._of.b, self._of.angles, t, q, v, self.values, full_revolutions,
+                self.work,
+            )  # fmt: skip
+        return full_revolutions
 
     def state(self) -> dict[str, Array]:
         """Return the data that a continued run needs."""
@@ -68,6 +63,22 @@ class Winding:
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         self.values, self.first = np.array(state["winding"]), state["winding_first"]
+
+
+def revolutions_between(system: System, nodes: Nodes, known: Array, t: Array, q: Array, v: Array) -> Array:
+    """Revolutions (nt, nc) at states between nodes, rising times, where those at the nodes (n, nc) are known."""
+    if not (len(t) and known.size):
+        return np.zeros((len(t), known.shape[1]))
+    first = max(int(np.searchsorted(nodes.t, t[0])) - 1, 0)
+    last = int(np.searchsorted(nodes.t, t[-1], side="right"))
+    passed = nodes.part(slice(first, max(last, first + 1)))
+    times = np.concatenate([passed.t, t])
+    order = np.argsort(times, kind="stable")
+    both_q, both_v = (np.concatenate(x)[order] for x in ((passed.q, q), (passed.v, v)))
+    winding, counted = Winding(system), np.zeros((len(times), known.shape[1]))
+    winding.begin(passed.q[0], known[first])
+    counted[order] = winding.take(times[order], both_q, both_v)
+    return counted[len(passed.t) :]
 
 
 class WindingAlong:
@@ -87,12 +98,8 @@ class WindingAlong:
     def _at_nodes(self) -> Array:
         winding = Winding(self._system)
         winding.begin(self._nodes.q[0], self._first)
-        return winding.take(self._nodes, self._nodes.t, self._nodes.q, self._nodes.v)
+        return winding.take(self._nodes.t, self._nodes.q, self._nodes.v)
 
     def __call__(self, t: Array, q: Array, v: Array) -> Array:
         """At states (nt, nc), rising times."""
-        first = max(int(np.searchsorted(self._nodes.t, t[0])) - 1, 0)
-        last = int(np.searchsorted(self._nodes.t, t[-1], side="right"))
-        winding = Winding(self._system)
-        winding.begin(self._nodes.q[first], self._at_nodes[first])
-        return winding.take(self._nodes.part(slice(first, max(last, first + 1))), t, q, v)
+        return revolutions_between(self._system, self._nodes, self._at_nodes, t, q, v)

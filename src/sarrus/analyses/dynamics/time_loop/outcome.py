@@ -17,7 +17,7 @@ from ....results.motion.trajectory import COMPUTED, LAST
 from ....system import System
 from ..dense_output.sample_loop import REFINEMENTS, Samples
 from ..dense_output.sampler import Sampler, samples_at
-from ..dense_output.winding import Winding
+from ..dense_output.winding import revolutions_between
 from ..stepping.nodes import Nodes
 from .nearness import Nearness
 
@@ -25,11 +25,11 @@ SUCCESS = ("finished", "event")
 
 
 class Waiting(NamedTuple):
-    """Steps, the output times within them, and the joints' coordinates where the steps begin, see `Winding`."""
+    """Steps, the output times within them, and the revolutions of joints where they end, see `Winding`."""
 
     nodes: Nodes
     times: Array
-    joints: Array
+    revolutions: Array
 
 
 class OutputStates:
@@ -56,9 +56,9 @@ class OutputStates:
         self._excess, self._lock = 0, RLock()
         self._status, self._message = "", ""
 
-    def take(self, nodes: Nodes, times: Array, joints: Array) -> None:
+    def take(self, nodes: Nodes, times: Array, revolutions: Array) -> None:
         """Take steps, see `Waiting`."""
-        self.waiting.append(Waiting(nodes, times, joints.copy()))
+        self.waiting.append(Waiting(nodes, times, revolutions))
         self._excess += len(nodes.t) - len(times)
 
     def end(self, status: str, message: str) -> None:
@@ -78,6 +78,8 @@ class OutputStates:
     def compute(self, progress: Callable[[float], None] | None = None) -> None:
         """Compute all that waits; `progress` is called with the time now and then, and may interrupt it."""
         with self._lock:
+            if not self.waiting:
+                return
             states = self._states(REFINEMENTS, progress)
             self._computed += [out for out in states if len(out.t)]
             self.waiting, self._projected, self._excess = [], [], 0
@@ -86,14 +88,12 @@ class OutputStates:
         """The states that wait; after an interruption, or without rounds for accelerations, again from the start."""
         begin = {name: np.array(array) for name, array in self.state().items()}
         states, again = [self.sampler.capacity(one.times) for one in self.waiting], True
-        winding = Winding(self.system)
         try:
-            for one, out, known in zip(self.waiting, states, self._projected or repeat(None)):
-                for done in self.sampler.fill(out, one.nodes, known=known, rounds=rounds):
+            for (nodes, _, turns), out, known in zip(self.waiting, states, self._projected or repeat(None)):
+                for done in self.sampler.fill(out, nodes, known=known, rounds=rounds):
                     if progress and done < len(out.t):
                         progress(float(out.t[done]))
-                winding.values = one.joints.copy()
-                out.revolutions[:] = winding.take(one.nodes, out.t, out.q, out.v)
+                out.revolutions[:] = revolutions_between(self.system, nodes, turns, out.t, out.q, out.v)
                 if rounds:
                     out.energy[:] = self.sampler.energies(out)[:, :2]
                     self.nearness.look(out)

@@ -498,9 +498,9 @@ class TimeLoop:
         if self._last is None:  # pivots do not depend on when states are computed
             for sampler in (self.sampler, self.outputs.sampler):
                 sampler.begin(float(nodes.t[0]), nodes.q[0])
-        self.outputs.take(nodes, self.plan.times[self._written : last], self.winding.values)
+        revolutions = self.winding.take(nodes.t, nodes.q, nodes.v)
+        self.outputs.take(nodes, self.plan.times[self._written : last], revolutions)
         self._written = last
-        self.winding.take(nodes, nodes.t[:0], nodes.q[:0], nodes.v[:0])
         announce_left_tables(self.system, self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
         self.energies.take(nodes)
         self._last = nodes.part(slice(-1, None))
@@ -523,7 +523,7 @@ class TimeLoop:
             assert self._last is not None
             _, q, v, _, _, memory = (x[0] for x in self._last)
             node = self.sampler.node(float(end.t[0]), q, v, memory)
-            self.outputs.take(node, end.t, self.winding.values)
+            self.outputs.take(node, end.t, self.winding.take(*node[:3]))
             if self.plan.store:
                 self.outputs.compute()
         if status in SHORT and self._recent is not None:

@@ -17,7 +17,9 @@ from sarrus.model.written import with_numbers
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
 METHODS = {"HHT": sr.HHT(), "Radau": sr.Radau()}
 LIMIT = 2e-7  # round-off of differences
-OF_EXTREMES = 1e-5  # by methods of order two: measured, up to 3e-6 are left in second derivatives
+# By methods of order two: the time of the maximum of a velocity depends on accelerations, whose round-off over h² is
+# left in gradients, measured 3e-10 of them and so up to 5e-6 of their differences
+OF_EXTREMES = 1e-5
 
 
 def differenced(run, responses, names, method, moved, direction, size=4e-3):
@@ -67,16 +69,17 @@ def test_every_kind_of_event(kind: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", [sr.HHT(step=2.01e-3), sr.GeneralizedAlpha(0.7, step=5e-3)])
+@pytest.mark.parametrize("method", [sr.HHT(step=2.02e-3), sr.GeneralizedAlpha(0.7, step=5e-3)])
 @pytest.mark.parametrize("kind", ["formula", "both functions"])
 def test_methods_of_order_two(kind: str, method: object) -> None:
+    """No maximum is near a node, where gradients jump: motions between nodes are no one polynomial."""
     run, responses, names = kinds.run(kind, method), kinds.responses(kind), kinds.names(kind)[:3]
     direction = np.array([0.3, 1.0, 0.2])
     wanted = differenced(run, responses, names, method, lambda changes: kinds.moved(kind, changes), direction)
     for response, row in zip(responses, wanted, strict=True):
         found = sr.hessian(run, response, names)
         limit = OF_EXTREMES if isinstance(response, sr.Maximum) else LIMIT
-        assert found.asymmetry < 1e-11, response.title
+        assert found.asymmetry < 1e-5 * limit, response.title
         assert found.matrix @ direction == pytest.approx(row, rel=0, abs=limit * abs(row).max()), (
             response.title
         )

@@ -30,7 +30,7 @@ BUDGETS = {
     "_jit": Size(1920, 32, 13, 1),
     "analyses": Size(320, 5, 4, 0),
     "analyses/driven": Size(855, 6, 26, 0),
-    "analyses/dynamics": Size(6993, 64, 174, 12),
+    "analyses/dynamics": Size(6992, 64, 174, 12),
     "analyses/equations": Size(1080, 12, 15, 0),
     "analyses/equilibria": Size(1308, 10, 20, 5),
     "analyses/forward": Size(1040, 13, 2, 7),

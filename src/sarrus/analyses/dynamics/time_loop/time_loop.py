@@ -6,6 +6,7 @@ import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -121,17 +122,17 @@ class TimeLoop:
 
     def __init__(self, system: System, stepper: Stepper, plan: Plan) -> None:
         self.system, self.stepper, self.plan = system, stepper, plan
-        self.sampler = self._new_sampler()
-        self.outputs = OutputStates(system, self._new_sampler(self.sampler.matrix))
+        self.sampler = sampler_of(system, stepper)
+        self.outputs = OutputStates(system, sampler_of(system, stepper, self.sampler.matrix))
         # whose choices the run does not depend on, as it does not depend on when it is saved
-        self._sampler_of_marks = self._new_sampler() if plan.store else self.sampler
+        self._sampler_of_marks = sampler_of(system, stepper) if plan.store else self.sampler
         self.watches = Watches(system, plan.events)
         events = ((n, event, name) for n, event in enumerate(plan.events) for name in ("function", "reset"))
         self._functions = {f"{name} of event {n}": getattr(event, name) for n, event, name in events}
         self.switches = Switches(system, stepper, plan.free, plan.corners, plan.stored)
         self._failure: RunFailure | KeyboardInterrupt | TimeLimit | None = None
         self._interruption: KeyboardInterrupt | TimeLimit | None = None  # while outputs were computed
-        self.energies = EnergyCheck(system, self.sampler, self._new_sampler)
+        self.energies = EnergyCheck(system, self.sampler, partial(sampler_of, system, stepper))
         self.winding = Winding(system)
         self._last: Nodes | None = None
         self._recent: Nodes | None = None
@@ -141,10 +142,6 @@ class TimeLoop:
         self._segments: list[Any] = []
         self._event_steps: list[EventStep] = []
         self._marked, self._pause, self._safe = time.perf_counter(), PAUSE, 0.0
-
-    def _new_sampler(self, host: PlacedMatrix | None = None) -> Sampler:
-        one = self.stepper
-        return Sampler(self.system, one.independence, one.b, host or one.host, one.apart)
 
     @property
     def portion(self) -> int:
@@ -575,6 +572,11 @@ class TimeLoop:
             return nothing(self.system, NOT_SAVED, why)
         message = f"{why} The run is safe up to t = {self._safe:.6g} s: continue it with sarrus.resume."
         return replace(found, success=False, status=NOT_SAVED, message=message)
+
+
+def sampler_of(system: System, stepper: Stepper, host: PlacedMatrix | None = None) -> Sampler:
+    """A sampler of the states between a method's steps; `host` instead of the method's matrix."""
+    return Sampler(system, stepper.independence, stepper.b, host or stepper.host, stepper.apart)
 
 
 def _until(nodes: Nodes, states: Samples) -> Nodes:

@@ -49,3 +49,14 @@ def test_what_it_does_not_contain_is_refused(tmp_path: Path) -> None:
     run.save(tmp_path / "run.sarrus", overwrite=True)
     sr.load_run(tmp_path / "run.sarrus").save(tmp_path / "other.sarrus")
     assert np.array_equal(sr.load_run(tmp_path / "other.sarrus")["spring.tension"], run["spring.tension"])
+
+
+def test_arrays_of_a_saved_run_calculate_as_arrays_do(tmp_path: Path) -> None:
+    run = sr.simulate(slider_crank(), until=0.1)
+    run.save(tmp_path / "run")
+    q = sr.load_run(tmp_path / "run").q
+    assert np.array_equal(1000 * q - q.T.copy().T / 2, 1000 * run.q - run.q / 2)
+    assert np.sum(q) == run.q.sum() == q.sum()
+    sr.load_run(tmp_path / "run").animate(tmp_path / "page.html")
+    with pytest.raises(AttributeError):
+        q.mean_of  # noqa: B018

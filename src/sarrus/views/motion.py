@@ -49,9 +49,9 @@ def frames(run: Trajectory, most: int = MOST) -> Frames:
     k = np.clip(np.searchsorted(run.t, t, side="right") - 1, 0, len(run.t) - 2)
     h = np.maximum(run.t[k + 1] - run.t[k], np.finfo(float).tiny)[:, None]
     s = (t - run.t[k])[:, None] / h
-    q = _same_signs(run.q)
-    signs = np.where(q == run.q, 1.0, -1.0)
-    return Frames(t, *_cubic(s, h, q, signs * run.v, k))
+    given, v = np.asarray(run.q), np.asarray(run.v)  # they may be in files
+    q = _same_signs(given)
+    return Frames(t, *_cubic(s, h, q, np.where(q == given, 1.0, -1.0) * v, k))
 
 
 def _cubic(s: Array, h: Array, q: Array, v: Array, k: Array) -> tuple[Array, Array]:

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from ...algebra import Array
 from .checked_file import SIZE, SavedDataError, checksum, damaged, flush_to_disk, read_file
@@ -52,8 +53,8 @@ def create(folder: Path, rows: int, columns: tuple[int, ...], chunk: int, axes: 
     (folder / METADATA).write_text(json.dumps(about))
 
 
-class StoredArray:
-    """A stored array: chunks on disk and the rows after them; ``np.asarray`` reads everything.
+class StoredArray(NDArrayOperatorsMixin):
+    """A stored array: chunks on disk and the rows after them, read as far as it is indexed; else it acts as an array.
 
     Parameters
     ----------
@@ -85,6 +86,15 @@ class StoredArray:
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         return np.asarray(self[:], dtype=dtype)
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        arrays = (x[:] if isinstance(x, StoredArray) else x for x in inputs)
+        return getattr(ufunc, method)(*arrays, **options)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name, name=name, obj=self)
+        return getattr(self[:], name)
 
     def __getitem__(self, key: Any) -> Any:
         """Rows (and columns) as arrays."""

@@ -108,6 +108,11 @@ def test_a_subclass_with_other_fields_has_parameter_derivatives_of_its_own():
         class Coded(Dot1, rows=1, registered=False):
             shift: Scalar
 
+    with pytest.raises(ElementError, match="Phi_b is missing"):
+
+        class Constant(Dot1, rows=1, registered=False):
+            Phi_b = 3
+
 
 def test_a_subclass_inherits_derived_kernels():
     class Stronger(OWN[3], bodies=4, registered=False):

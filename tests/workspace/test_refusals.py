@@ -1,5 +1,7 @@
 """Arguments that cannot be meant are refused with the right call in the message; names tell what is measured."""
 
+import pickle
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -7,6 +9,7 @@ import pytest
 
 import sarrus as sr
 from sarrus.analyses.workspace.analysis import checked_workspace
+from sarrus.analyses.workspace.problem.formulation import formulate
 
 from .mechanisms import arm, platform_equilateral
 
@@ -25,6 +28,7 @@ def two() -> tuple[sr.System, sr.Point]:
         ({"limits": {"q1": 1}}, "limits: those of q1.angle must be a pair"),
         ({"limits": {"q1": (1, 2, 3)}}, "limits: those of q1.angle must be a pair"),
         ({"limits": {"q1": ("a", 2)}}, "limits: those of q1.angle must be a pair"),
+        ({"limits": {"q1": "12"}}, "limits: those of q1.angle must be a pair"),
         ({"limits": {"q1": (0, 1), "q1.angle": (0, 2)}}, "limits: q1.angle is given twice"),
         ({"limits": [(0, 1)]}, "limits must be a dict"),
         ({"fixed": {"q1": nan}}, "fixed: q1.angle must keep a finite number"),
@@ -120,3 +124,16 @@ def test_limits_in_degrees_without_a_unit_are_not_ignored_in_silence(two: tuple[
     system, tip = two
     with pytest.warns(sr.SarrusWarning, match=r"q1.angle: its limits, -60 and 60 rad, .* have no effect"):
         sr.workspace(system, tip["x", "y"], limits={"q1": (-60, 60)}, samples=1, rays=1)
+
+
+def test_values_that_are_kept_are_numbers_of_any_kind(two: tuple[sr.System, sr.Point]) -> None:
+    system, _ = two
+    for value in (Fraction(1, 2), np.float32(0.5), 0.5):
+        assert next(iter(formulate(system, ["q2"], fixed={"q1": value}).fixed.values())) == 0.5
+
+
+def test_workspaces_can_be_pickled(two: tuple[sr.System, sr.Point]) -> None:
+    system, tip = two
+    found = sr.workspace(system, [tip["x"], tip["y"]], samples=2, rays=1, repeats=3)
+    assert ". The last " in found.message
+    assert pickle.loads(pickle.dumps(found)).area == found.area

@@ -9,6 +9,7 @@ from tests.patience import within, within_by_the_clock
 import sarrus as sr
 from sarrus import activity
 from sarrus.analyses.workspace.problem.watch import SLICES, STARTS, expected, reached, watched
+from sarrus.analyses.workspace.regions.crossing import crossing
 from sarrus.analyses.workspace.regions.mapping import WorkspaceMap
 
 from .mechanisms import arm_2r, arm_3r, five_bar, orthogonal_arm
@@ -113,17 +114,13 @@ def test_a_section_at_a_critical_height_is_told_at_once() -> None:
     assert beside.success
 
 
-def test_curves_that_contradict_each_other_make_no_area(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_curves_that_contradict_each_other_make_no_area() -> None:
     """One barrier turned round tells that the outside can be reached."""
     system, output, limits = arm_2r()
     map_ = WorkspaceMap(system, output, limits=limits).run()
-    right = map_._crossing
     wrong = map_.branches[0]
-    monkeypatch.setattr(
-        map_,
-        "_crossing",
-        lambda branch: right(branch)._replace(side=-right(branch).side) if branch is wrong else right(branch),
-    )
+    turned = crossing(wrong)
+    map_._crossed, map_._region = [(wrong, turned._replace(side=-turned.side))], None
     found = map_.result()
     assert found.status == "incomplete"
     assert "inconsistent" in found.message

@@ -143,9 +143,10 @@ def _is_written(cls: type[Element], operator: Operator) -> bool:
     fields, and is no kernel of a subclass with others.
     """
     writer = next((base for base in cls.__mro__ if operator.name in vars(base)), None)
-    if writer is None or Axis.PARAMETERS not in operator.axes:
-        return writer is not None
-    is_derived = vars(writer)[operator.name].__module__ == derived.__module__
+    kernel = vars(writer)[operator.name] if writer else None
+    if not callable(kernel) or Axis.PARAMETERS not in operator.axes:
+        return callable(kernel)
+    is_derived = kernel.__module__ == derived.__module__
     return is_derived or vars(writer).get("fields", cls.fields) == cls.fields
 
 

@@ -120,7 +120,7 @@ def _read(part: Part) -> Mimic | None:
 def _check_leader(leader: str, leaders: Collection[str], line: int, reader: Reader) -> None:
     if leader not in leaders:
         message = f"<mimic> names {quote(leader)}, which is no joint that rotates or slides"
-        raise reader.refusal(f"{message}. {suggest(leader, leaders)}", line)
+        raise reader.refusal(f"{message}. {suggest(leader, sorted(leaders))}", line)
 
 
 def _check_circle(name: str, mimics: Mapping[str, Mimic], line: int, reader: Reader) -> None:

@@ -160,8 +160,8 @@ def _all(check: Check, names: str) -> dict[str, Check]:
 
 CHECKS: dict[str, Check] = {
     **_all(Number(), "t until"),
-    **_all(Number(positive=True), "tolerance first_step memory longest"),
-    **_all(Number(positive=True, infinite=True), "max_step time_limit total_time_limit"),
+    **_all(Number(positive=True), "tolerance first_step memory"),
+    **_all(Number(positive=True, infinite=True), "max_step time_limit total_time_limit longest"),
     **_all(WholeNumber(1), "iterations max_steps steps workers starts samples rays repeats cells most"),
     **_all(WholeNumber(0), "seed restarts"),
     **_all(

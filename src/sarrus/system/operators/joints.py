@@ -141,10 +141,6 @@ class JointCoordinate:
         """The derivative with respect to q of the gradient along a fixed direction ξ, as a row (1, nq)."""
         return self._every.Phi_q_xi_q(q, xi)[[self._row]]
 
-    def gradientT_q(self, q: ArrayLike) -> csr_array:
-        """The derivative with respect to q of the gradient as a column, symmetric (nq, nq)."""
-        return self._every.Phi_qT_lam_q(q, np.eye(1, self._every.m, self._row)[0])
-
 
 class SystemJoint:
     """A joint of a system: its coordinates by name.

@@ -75,6 +75,7 @@ def formulate(
     mistake = next(_mistakes(table, outputs, targets, bounds), None)
     if mistake:
         raise SarrusError(mistake)
+    targets = {k: float(value) for k, value in targets.items()}
     free, places = _without_drivers(system), np.array(outputs)
     normal = places if singular == "outputs" else np.array(driven, dtype=int)
     rough = Problem(system, table, places, normal, _size(system), free, targets)
@@ -146,7 +147,10 @@ def _bounds(one: Measure, pair: Any) -> tuple[float, float]:
     message = f"limits: those of {one.name} must be a pair (lowest, highest) of numbers or None, got {pair!r}"
     unit = "rad" if one.kind == "angle" else "m"
     try:
-        ends = [quantity(end, unit) if isinstance(end, str) else end for end in pair]
+        ends = [
+            quantity(end, unit) if isinstance(end, str) else end
+            for end in ([] if isinstance(pair, str) else pair)
+        ]
         low, high = (
             inf if end is None else float(end) for end, inf in zip(ends, (-np.inf, np.inf), strict=True)
         )

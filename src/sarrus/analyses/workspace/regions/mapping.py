@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cache
 from typing import Any, Literal
 
 import numpy as np
@@ -24,7 +23,7 @@ from ..problem.watch import STARTS, Stop, reached, stopped
 from ..tracing.curve import LONGEST
 from ..tracing.explore import Branch, Explorer
 from ..tracing.starts import Ray, Start, random_start
-from .crossing import crossing
+from .crossing import Crossing, crossing
 from .region import Region, component_of, measured
 
 REPEATS = 30  # starts in a row that lead to known curves, until a map counts as complete
@@ -160,7 +159,7 @@ class WorkspaceMap(StartSearch):
     def _begin(self, problem: Problem, seed: int, repeats: int, longest: float) -> None:
         super().__init__(problem, seed, repeats)
         self.explorer = Explorer(problem, longest=longest)
-        self._crossing = cache(crossing)
+        self._crossed: list[tuple[Branch, Crossing]] = []  # the branches so far
         self._region: tuple[tuple[int, int, bool], Region] | None = None
 
     def options(self) -> dict[str, Any]:
@@ -237,7 +236,9 @@ class WorkspaceMap(StartSearch):
         branches = self.branches
         mark = (len(branches), len(self.met), self.stop is None)
         if self._region is None or self._region[0] != mark:
-            found = [self._crossing(branch) for branch in branches]
+            known = {id(branch): found for branch, found in self._crossed}
+            self._crossed = [(branch, known.get(id(branch)) or crossing(branch)) for branch in branches]
+            found = [one for _, one in self._crossed]
             whole = self.stop is None
             region = Region(self.problem, branches, found, np.array(self.met), self.seed, whole)
             self._region = mark, region
@@ -284,7 +285,9 @@ class WorkspaceMap(StartSearch):
     def _status(self, region: Region, tests: Verification | None) -> tuple[Status, str]:
         status, message = self.outcome("curve", "" if self.stop else self._failure(region, tests))
         more = ". Go on with its `map`, or allow more time" if self.stop else ""
-        return status, f"{self.problem.system.name}: {'mapped. ' * (status == 'mapped')}{message}{more}"
+        if status == "mapped":
+            message = f"mapped. {message[0].upper()}{message[1:]}"
+        return status, f"{self.problem.system.name}: {message}{more}"
 
     def _failure(self, region: Region, tests: Verification | None) -> str:
         """Return the reason why a map is not complete."""

@@ -3,8 +3,10 @@
 import copy
 import pickle
 import tracemalloc
+import warnings
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +16,8 @@ from tests.analyses.linkages import Z, chain, door
 
 import sarrus as sr
 from sarrus.analyses.dynamics.dense_output import sampler
-from sarrus.results.motion.trajectory import COLUMNS, COMPUTED, LAST
+from sarrus.functions import sqrt
+from sarrus.results.motion.trajectory import COLUMNS, COMPUTED, ENERGIES, LAST
 
 G = 9.81
 
@@ -164,3 +167,70 @@ def test_what_is_needed_for_outputs_goes_with_them() -> None:
     assert run._later is not None
     assert run.message.startswith("reached the end")
     assert run._later is None
+
+
+def push(t: float) -> float:
+    return sqrt((t - 0.5) ** 2 - 1e-18)
+
+
+def thrown() -> sr.System:
+    """A load that is not a number at an output time, and finite at all steps."""
+    ball = sr.Body("ball", mass=1.0, inertia=(1, 1, 1))
+    thrust = sr.PointForce("thrust", ball.point(0, 0, 0), (0, 0, push))
+    return sr.System(sr.Model("thrown", bodies=[ball], forces=[thrust]))
+
+
+def test_a_warning_about_outputs_is_issued_once_at_the_line_that_looks() -> None:
+    run = sr.simulate(thrown(), until=1.0)
+    other = run.changed(call=None)
+    with pytest.warns(sr.SarrusWarning, match="not finite") as told:
+        str(run)
+    assert [one.filename for one in told] == [__file__]
+    assert len(run.warnings) == 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert other.a is run.a
+        assert other.warnings == run.warnings
+
+
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_an_analysis_does_not_report_the_warnings_of_the_run_that_it_is_given() -> None:
+    run = sr.simulate(thrown(), until=1.0)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", sr.SarrusWarning)
+        sr.verify(run, "ball.z", strict=True)
+        assert np.isnan(run.a).any()
+    assert any("not finite" in str(one.message) for one in told)
+    assert len(run.warnings) == 1
+
+
+def test_a_run_can_be_read_where_warnings_are_errors() -> None:
+    run = sr.simulate(thrown(), until=1.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(sr.SarrusWarning, match="not finite"):
+            run.a  # noqa: B018
+        assert np.isnan(run.a).any()
+        assert len(pickle.loads(pickle.dumps(run)).warnings) == 1
+
+
+def test_strict_runs_compute_their_outputs() -> None:
+    with pytest.raises(sr.StrictError, match="not finite"):
+        sr.simulate(thrown(), until=1.0, strict=True)
+
+
+def test_fields_that_wait_are_listed_and_may_be_replaced() -> None:
+    run = sr.simulate(four_bar(), until=1.0)
+    assert set(COMPUTED) < set(dir(run))
+    assert not computed(run)
+    zeros = dict.fromkeys(("q", "v", "a", "lam"), np.zeros(3)) | {"message": "mine", "singular": ()}
+    changed = replace(run, **zeros, **dict.fromkeys(ENERGIES, np.zeros(3)))
+    assert (changed.message, changed.q.shape) == ("mine", (3,))
+
+
+def test_positions_that_were_looked_at_are_stored_twice_at_most() -> None:
+    run = sr.simulate(four_bar(), until=1.0, t_eval=np.linspace(0, 1, 20_001))
+    tracemalloc.start()
+    own = sum(getattr(run, name).nbytes for name in set(COLUMNS[1:]) - set(LAST))
+    assert tracemalloc.get_traced_memory()[0] < 2.1 * own
+    tracemalloc.stop()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -15,6 +16,12 @@ from .errors import SarrusWarning, StrictError
 
 P = ParamSpec("P")
 R = TypeVar("R")
+INNER = (
+    __name__.partition(".")[0],
+    "dataclasses",
+    "copy",
+    "pickle",
+)  # packages whose lines are not the user's
 
 
 class Call(NamedTuple):
@@ -127,6 +134,21 @@ def announce(messages: Iterable[str], *, strict: bool = False, stacklevel: int =
     for message in unique:
         warnings.warn(message, SarrusWarning, stacklevel=stacklevel)
     return unique
+
+
+def is_strict() -> bool:
+    """Whether the analysis that is running raises its first message."""
+    collection = _collection.get()
+    return collection is not None and collection.strict
+
+
+def warn_now(messages: Iterable[str]) -> None:
+    """Issue messages about a result that exists, at the user's line; they are no matter of an analysis that uses it."""
+    frame, level = sys._getframe(1), 2
+    while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] in INNER:
+        frame, level = frame.f_back, level + 1
+    for message in messages:
+        warnings.warn(message, SarrusWarning, stacklevel=level)
 
 
 def reports_warnings(analysis: Callable[P, R]) -> Callable[P, R]:

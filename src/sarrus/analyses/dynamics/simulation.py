@@ -93,7 +93,8 @@ def simulate(
         continues the run. The folder must be new or empty, or contain a run and `overwrite` be true
     overwrite : whether an existing saved run is replaced
     progress : true for a bar on the terminal, or a function that is called with the time reached
-    time_limit : seconds after which the run ends with the status "time limit"; with `error`, of all its runs
+    time_limit : seconds after which the run ends with the status "time limit"; with `error`, of all its runs. Outputs
+        that are computed when they are first used do not count
     max_steps : number of steps after which the run ends with the status "too many steps"; by default it ends if
         60,000 steps were so short that five million more would follow
     error : largest errors of responses, ``{"slider.x": "1 um", sr.Maximum("pin.force.x"): 0.5}``: the run is repeated

@@ -21,9 +21,8 @@ from .steps.record import Record
 from .steps.sweep import PerOperation, Sweep, stages_of
 
 KINDS = ("q", "v", "a")
-Over: TypeAlias = Callable[
-    [int, Array, Array, Array], Sequence[Array]
-]  # goes over a segment: its number, q', v', b'; q', v', a' before and after its last step
+# Goes over a segment: its number, q', v', b'; q', v', a' before and after its last step
+Over: TypeAlias = Callable[[int, Array, Array, Array], Sequence[Array]]
 
 
 class RunTangents(NamedTuple):

@@ -17,14 +17,18 @@ from ...outputs.motion import reaction_outputs, shared_by, words_of
 ORIGIN, TURN = slice(3), slice(3, None)  # of a body's coordinates
 
 
+@dataclass(frozen=True, repr=False)
 class BodyMotion:
     """One body's motion over the times of a trajectory."""
 
-    def __init__(self, run: Any, name: str) -> None:
-        self.run, self.name, self._at = run, name, coordinates_of(name, run.bodies, run.name)
+    run: Any
+    name: str
+
+    def __post_init__(self) -> None:
+        self._of(self.run.t[:, None], slice(0))  # the name is checked
 
     def _of(self, array: Array, places: slice) -> Array:
-        found: Array = array[:, self._at][:, places]
+        found: Array = array[:, coordinates_of(self.name, self.run.bodies, self.run.name)][:, places]
         return found
 
     @property

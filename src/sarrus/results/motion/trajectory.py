@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -31,6 +32,18 @@ COLUMNS = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", *ENERGI
 # Fields that a run computes when somebody looks at them; the last ones are not computed with positions and velocities
 LAST = ("a", "lam", *ENERGIES, "singular", "message")
 COMPUTED = (*COLUMNS[1:], "singular", "message")
+
+
+class Later(Protocol):
+    """Outputs of a run that are computed when somebody looks at them."""
+
+    @property
+    def lock(self) -> AbstractContextManager[Any]:
+        """Held while they are taken."""
+
+    def fields(self, name: str) -> dict[str, Any]:
+        """One of `COMPUTED` by its name, and all that are computed so far."""
+
 
 WITHOUT_SYSTEM = (
     "This run has no system, and so coordinates of bodies only. Use sarrus.load_run(folder, system)."
@@ -104,31 +117,34 @@ class Trajectory(Result):
     final: State | None = field(default=None, repr=False, compare=False)
     analysis: str = field(default="simulation", repr=False)
     states: Mapping[str, tuple[int, str, str]] = field(default_factory=dict, repr=False, compare=False)
-    # Of a run whose outputs are not computed yet: gives one of `COMPUTED` by its name, and others
-    _later: Callable[[str], dict[str, Any]] | None = field(default=None, repr=False, compare=False)
+    _later: Later | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if self._later:
             for name in COMPUTED:
-                del self.__dict__[name]
+                if self.__dict__[name] is None:
+                    del self.__dict__[name]
         if not len(self.t) and not self.success:
             for name in COLUMNS:
                 object.__setattr__(self, name, values_of(self, getattr(self, name)))
 
     def __getattr__(self, name: str) -> Any:  # of fields that are not computed yet
         known = self.__dict__
-        if name in COMPUTED and (fields := known.get("_later")):
-            found = fields(name)
-            warnings = tuple(dict.fromkeys((*self.warnings, *found.get("warnings", ()))))
-            # Arrays that were looked at before may have been changed since
-            known.update(found | known | {"warnings": warnings})
-            if "message" in found:  # all are computed
-                known["_later"] = None
+        if name in COMPUTED and (later := known.get("_later")):
+            with later.lock:  # arrays that were looked at before may have been changed since: they stay
+                fields = later.fields(name)
+                known.update({field: x for field, x in fields.items() if field not in known})
+                if "message" in fields:  # all are computed
+                    known["warnings"] = tuple(dict.fromkeys((*known["warnings"], *fields["warnings"])))
+                    known["_later"] = None
         if name not in known:
             raise AttributeError(
                 f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self
             )
         return known[name]
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *COMPUTED]
 
     def __getstate__(self) -> dict[str, Any]:
         for name in COMPUTED:

@@ -72,10 +72,6 @@ class Sampler:
     b : the numbers of the elements
     host : a matrix whose pattern contains that of the equations of motion, if there is one
     apart : whether q and v are interpolated apart, see `nodes.between`
-
-    Attributes
-    ----------
-    unsettled : times at which the equations of motion could not be solved: states there are as interpolated
     """
 
     def __init__(
@@ -89,7 +85,6 @@ class Sampler:
         self.system, self.independence, self.b, self.apart = system, copy(independence), b.copy(), apart
         self.matrix = motion_matrix(system, host)
         self.matrix.numbers.keep(independence.rows)
-        self.unsettled: list[float] = []
         self._entries, self._work = motion_entries(system), motion_work(system)
         self._sample = link(loop.sample)
         self._arrays: loop.Matrix | None = None
@@ -174,7 +169,6 @@ class Sampler:
     def _leave(self, out: loop.Samples, n: int, nodes: Nodes) -> None:
         """A state where the equations of motion cannot be solved: as interpolated."""
         t = float(out.t[n])
-        self.unsettled.append(t)
         q, v = out.q[n], out.v[n] = (
             nodes.near(t, self.apart) if len(nodes.t) > 1 else (nodes.q[0], nodes.v[0])
         )

@@ -11,7 +11,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
-from ....model.announcement import announce
+from ....model.announcement import announce, warn_now
 from ....results import Trajectory
 from ....results.motion.trajectory import COMPUTED, LAST
 from ....system import System
@@ -53,8 +53,9 @@ class OutputStates:
         self.system, self.sampler = system, sampler
         self.waiting, self._projected, self._computed = list[Waiting](), list[Samples](), list[Samples]()
         self.nearness = Nearness(system, sampler.independence)
-        self._excess, self._lock = 0, RLock()
+        self._excess, self.lock = 0, RLock()
         self._status, self._message = "", ""
+        self._fields: dict[str, Any] = {}
 
     def take(self, nodes: Nodes, times: Array, revolutions: Array) -> None:
         """Take steps, see `Waiting`."""
@@ -77,7 +78,7 @@ class OutputStates:
 
     def compute(self, progress: Callable[[float], None] | None = None) -> None:
         """Compute all that waits; `progress` is called with the time now and then, and may interrupt it."""
-        with self._lock:
+        with self.lock:
             if not self.waiting:
                 return
             states = self._states(REFINEMENTS, progress)
@@ -123,26 +124,43 @@ class OutputStates:
 
     @one_thread_if_small
     def fields(self, name: str) -> dict[str, Any]:
-        """The field of a trajectory, and those that are computed with it."""
-        with self._lock:
-            if name not in LAST:
-                self._projected = self._projected or self._states(rounds=0)
-            if name in LAST or any(np.isinf(out.growth).any() for out in self._projected):
-                self.compute()  # also where a state could not be projected, of which there are warnings
-            columns = _columns([*self._computed, *self._projected], self.system)
-            if self.waiting:
-                return {field: array for field, array in columns.items() if field not in LAST}
-            message, warnings = self.remarks()
-            return columns | {
-                "singular": tuple(self.nearness.times),
-                "message": message,
-                "warnings": announce(warnings, stacklevel=5),
-            }
+        """The field of a trajectory, and all that are computed so far: those of its copies, too."""
+        with self.lock:
+            if name not in LAST and not self._fields:
+                self._project()
+            if (
+                name not in self._fields
+            ):  # also where a state could not be projected, of which there are warnings
+                self._fields, self._computed = self._complete(), []
+                warn_now(self._fields["warnings"])
+            return self._fields
+
+    def _complete(self) -> dict[str, Any]:
+        """All fields."""
+        self.compute()
+        message, warnings = self.remarks()
+        rest = {"singular": tuple(self.nearness.times), "message": message, "warnings": tuple(warnings)}
+        return _columns(self._computed, self.system) | self._fields | rest
+
+    def _project(self) -> None:
+        """Compute positions and velocities, if all are on the constraints."""
+        states = self._states(rounds=0)
+        if not any(np.isinf(out.growth).any() for out in states):
+            columns = _columns([*self._computed, *states], self.system)
+            self._fields = {name: array for name, array in columns.items() if name not in LAST}
+        empty = (
+            {name: getattr(out, name)[:, :0].copy() for name in ("a", "lam", "energy")} for out in states
+        )
+        self._projected = [out._replace(**own) for out, own in zip(states, empty, strict=True)]
 
     def trajectory(self, **fields: Any) -> Trajectory:
         """The trajectory of the run; states that wait are computed when somebody looks at them."""
         times = [out.t for out in self._computed] + [one.times for one in self.waiting]
-        states = dict.fromkeys(COMPUTED) | {"_later": self.fields} if self.waiting else self.fields("a")
+        if self.waiting:
+            states: dict[str, Any] = dict.fromkeys(COMPUTED) | {"_later": self}
+        else:
+            states = self._complete()
+            announce(states["warnings"])
         t = np.concatenate([np.zeros(0), *times])
         return Trajectory(t=t, **_about(self.system, self._status), **states, **fields)
 

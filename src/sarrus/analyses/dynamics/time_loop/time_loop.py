@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ....algebra import Array
-from ....model.announcement import announce, collected
+from ....model.announcement import announce, collected, is_strict
 from ....results import Assembly, EventRecord, NoSolution, Solution, State, Trajectory, load_run
 from ....results.motion.steps import EventStep, Segments, StepsTaken, segments_from_store, segments_to_store
 from ....results.motion.steps import until as steps_until
@@ -126,6 +126,7 @@ class TimeLoop:
         self.outputs = OutputStates(system, sampler_of(system, stepper, self.sampler.matrix))
         # whose choices the run does not depend on, as it does not depend on when it is saved
         self._sampler_of_marks = sampler_of(system, stepper) if plan.store else self.sampler
+        self._at_once = plan.store is not None or is_strict()  # outputs are computed in the run
         self.watches = Watches(system, plan.events)
         events = ((n, event, name) for n, event in enumerate(plan.events) for name in ("function", "reset"))
         self._functions = {f"{name} of event {n}": getattr(event, name) for n, event, name in events}
@@ -508,7 +509,7 @@ class TimeLoop:
                 () if self._dense else (self._started,)
             )  # the start itself, also where steps begin behind it
             self._dense.append(nodes._replace(t=np.append(first, nodes.t[len(first) :])))
-        if self.plan.store or self.outputs.too_large:
+        if self._at_once or self.outputs.too_large:
             try:
                 self.outputs.compute(self.plan.progress)
             except (KeyboardInterrupt, TimeLimit) as interruption:
@@ -521,7 +522,7 @@ class TimeLoop:
             _, q, v, _, _, memory = (x[0] for x in self._last)
             node = self.sampler.node(float(end.t[0]), q, v, memory)
             self.outputs.take(node, end.t, self.winding.take(*node[:3]))
-            if self.plan.store:
+            if self._at_once:
                 self.outputs.compute()
         if status in SHORT and self._recent is not None:
             advice = f" {self.plan.budget.advice()}" if status == "too many steps" else ""

@@ -25,7 +25,7 @@ def refuse_outside(times: Iterable[float], begin: float, end: float) -> None:
 
     Raises
     ------
-    NotThere
+    NoSample
     """
     round_off = 2e-12 * abs(end)  # steps begin just behind a jump at the start
     wrong = next((t for t in times if not begin - round_off <= t <= end + round_off), None)
@@ -95,7 +95,7 @@ def at_event(course: Course, name: str, number: int, after: bool) -> Instants:
 
     Raises
     ------
-    NotThere
+    NoSample
     """
     named = [(p, event_step.name) for p, event_step in enumerate(course.event_steps) if event_step.named]
     own = [p for p, known in named if known == name]

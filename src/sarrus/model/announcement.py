@@ -16,12 +16,8 @@ from .errors import SarrusWarning, StrictError
 
 P = ParamSpec("P")
 R = TypeVar("R")
-INNER = (
-    __name__.partition(".")[0],
-    "dataclasses",
-    "copy",
-    "pickle",
-)  # packages whose lines are not the user's
+# Packages whose lines are not the user's
+INNER = (__name__.partition(".")[0], "dataclasses", "copy", "pickle")
 
 
 class Call(NamedTuple):

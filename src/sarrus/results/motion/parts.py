@@ -25,7 +25,7 @@ class BodyMotion:
     name: str
 
     def __post_init__(self) -> None:
-        self._of(self.run.t[:, None], slice(0))  # the name is checked
+        coordinates_of(self.name, self.run.bodies, self.run.name)  # refuses an unknown name
 
     def _of(self, array: Array, places: slice) -> Array:
         found: Array = array[:, coordinates_of(self.name, self.run.bodies, self.run.name)][:, places]

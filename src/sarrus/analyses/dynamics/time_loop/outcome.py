@@ -25,7 +25,7 @@ SUCCESS = ("finished", "event")
 
 
 class Waiting(NamedTuple):
-    """Steps, the output times within them, and the revolutions of joints where they end, see `Winding`."""
+    """Steps, the output times within them, and the revolutions of the joints at their nodes, see `Winding`."""
 
     nodes: Nodes
     times: Array
@@ -130,7 +130,7 @@ class OutputStates:
                 self._project()
             if (
                 name not in self._fields
-            ):  # also where a state could not be projected, of which there are warnings
+            ):  # also positions, where a state could not be projected: there are warnings
                 self._fields, self._computed = self._complete(), []
                 warn_now(self._fields["warnings"])
             return self._fields
@@ -148,9 +148,8 @@ class OutputStates:
         if not any(np.isinf(out.growth).any() for out in states):
             columns = _columns([*self._computed, *states], self.system)
             self._fields = {name: array for name, array in columns.items() if name not in LAST}
-        empty = (
-            {name: getattr(out, name)[:, :0].copy() for name in ("a", "lam", "energy")} for out in states
-        )
+        unfilled = "a", "lam", "energy"
+        empty = [{name: getattr(out, name)[:, :0].copy() for name in unfilled} for out in states]
         self._projected = [out._replace(**own) for out, own in zip(states, empty, strict=True)]
 
     def trajectory(self, **fields: Any) -> Trajectory:

@@ -13,6 +13,7 @@ import argparse
 import time
 import warnings
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -61,7 +62,7 @@ def measured(problem: Problem, **settings: Any) -> Row:
         "until": problem.until,
         "t_eval": known.t,
         "events": problem.events,
-        "time_limit": PATIENCE,
+        "limits": sr.Limits(time=PATIENCE),
         **settings,
     }
     with warnings.catch_warnings():
@@ -111,8 +112,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--only", default="", help="problems whose names contain this")
     given = parser.parse_args(arguments)
     settings = {name: getattr(given, name) for name in ("rtol", "atol") if getattr(given, name) is not None}
-    if given.method:
-        settings["method"] = METHODS[given.method]
+    settings = {"method": replace(METHODS[given.method] if given.method else sr.Radau(), **settings)}
     chosen = [problem for problem in PROBLEMS if given.only in problem.name]
     if given.error:
         print(effectivities(chosen, **settings))

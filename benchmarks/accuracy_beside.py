@@ -70,12 +70,16 @@ def row(problem: Problem, python: str) -> dict[str, float]:
     system, start = problem.make()
     start = start or sr.assemble(system)
     known = problem.solution()
-    options: dict[str, Any] = {"until": problem.until, "events": problem.events, "time_limit": 600.0}
+    options: dict[str, Any] = {
+        "until": problem.until,
+        "events": problem.events,
+        "limits": sr.Limits(time=600.0),
+    }
     default = sr.simulate(system, start, t_eval=known.t, **options)
     columns = problem.columns(default)
     found = {"Sarrus": at_end(columns, known), "SciPy": scipy_error(problem, known)}
     found["Sarrus, largest"] = errors(columns, known)["positions"]
-    tight = sr.simulate(system, start, rtol=1e-12, t_eval=known.t, **options)
+    tight = sr.simulate(system, start, method=sr.Radau(rtol=1e-12), t_eval=known.t, **options)
     if not tight.success or not errors(problem.columns(tight), known)["positions"] < TRUE:
         return found
     try:

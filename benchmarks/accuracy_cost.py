@@ -65,7 +65,7 @@ def timed(
         seconds = np.inf
         for _ in range(runs):
             began = time.process_time()
-            run = sr.simulate(system, start, time_limit=limit, **given)
+            run = sr.simulate(system, start, limits=sr.Limits(time=limit), **given)
             seconds = min(seconds, time.process_time() - began)
             if not run.success:
                 return str(run.status)

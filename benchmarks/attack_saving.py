@@ -61,10 +61,10 @@ def options(name: str) -> dict[str, Any]:
     dense = np.linspace(0, 20, 8001)
     fine = {"rtol": 1e-9, "atol": 1e-11}
     kinds: dict[str, dict[str, Any]] = {
-        "HHT": {"until": 20.0, "t_eval": dense, "method": sr.HHT(), **fine},
-        "generalized-alpha": {"until": 20.0, "t_eval": dense, "method": sr.GeneralizedAlpha(), **fine},
-        "Radau": {"until": 20.0, "t_eval": dense, "method": sr.Radau(), "max_step": 1e-3},
-        "ODE": {"until": 20.0, "t_eval": dense, "method": sr.ODE(), "max_step": 2e-3},
+        "HHT": {"until": 20.0, "t_eval": dense, "method": sr.HHT(**fine)},
+        "generalized-alpha": {"until": 20.0, "t_eval": dense, "method": sr.GeneralizedAlpha(**fine)},
+        "Radau": {"until": 20.0, "t_eval": dense, "method": sr.Radau(max_step=1e-3)},
+        "ODE": {"until": 20.0, "t_eval": dense, "method": sr.ODE(max_step=2e-3)},
         "events": {
             "until": 20.0,
             "t_eval": dense,
@@ -72,21 +72,19 @@ def options(name: str) -> dict[str, Any]:
                 sr.Event("slider.x - 4.0", name="middle"),
                 sr.Event("pin.angle^2 + 20*slider.x - 98", direction=-1),
             ],
-            "rtol": 1e-6,
+            "method": sr.Radau(rtol=1e-6),
         },
         "impacts": {
             "until": 2.4,
             "t_eval": np.linspace(0, 2.4, 2001),
-            "max_step": 2e-3,
+            "method": sr.Radau(max_step=2e-3),
             "events": [sr.Event(f"{n}.z", reset=sr.Impact(e)) for n, e in (("one", 0.8), ("two", 0.9))],
         },
         "steps": {
             "until": 6.0,
             "t_eval": np.linspace(0, 6, 2001),
-            "method": sr.Radau(),
-            "max_step": 1e-3,
-            "store_steps": True,
-            "dense_output": True,
+            "method": sr.Radau(max_step=1e-3),
+            "store": "steps",
         },
     }
     return {"system": balls() if name == "impacts" else crank(), **kinds[name]}
@@ -311,14 +309,22 @@ def stop_after(t_end: float) -> Callable[[float], None]:
 
 def pairs_of_runs(place: Path) -> Iterator[tuple[str, Path, Path, Any, Any]]:
     """Kinds of folders: name, folder, that of another run, what it loads as, and the whole run."""
-    from sarrus.analyses.dynamics.time_loop import time_loop
+    from sarrus.analyses.dynamics.time_loop import recording, time_loop
 
-    time_loop.PAUSE = time_loop.PATIENT = 0.0
+    recording.PAUSE = recording.PATIENT = 0.0
     time_loop.CHUNK = 40
     kinds = {
         "finished": (20_000, None, {"until": 1.0, "t_eval": np.linspace(0, 1, 1001)}),
-        "cut short": (20_000, 0.6, {"until": 1.0, "t_eval": np.linspace(0, 1, 1001), "rtol": 1e-7}),
-        "no chunk yet": (10**6, 0.3, {"until": 0.5, "t_eval": np.linspace(0, 0.5, 101), "rtol": 1e-7}),
+        "cut short": (
+            20_000,
+            0.6,
+            {"until": 1.0, "t_eval": np.linspace(0, 1, 1001), "method": sr.Radau(rtol=1e-7)},
+        ),
+        "no chunk yet": (
+            10**6,
+            0.3,
+            {"until": 0.5, "t_eval": np.linspace(0, 0.5, 101), "method": sr.Radau(rtol=1e-7)},
+        ),
     }
     for name, (size, stop, given) in kinds.items():
         saved.BYTES = size

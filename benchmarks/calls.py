@@ -4,7 +4,8 @@
 
 The first call finds its kernels in the cache and makes what is kept with the system; of later calls the least counts.
 `simulate` goes over 0.1 ms with one state, which is what a run takes beside its steps; derivatives are ratios to the
-time of the run that they belong to, which has stored steps and begins and ends with them.
+time of the run that they belong to, which has stored steps and begins and ends with them. `readme` is a process that
+runs the Python blocks of README.md as one script: all of it, and what it takes to import the packages that they use.
 """
 
 from __future__ import annotations
@@ -12,8 +13,12 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
+import subprocess
+import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
@@ -24,6 +29,8 @@ import numpy as np  # noqa: E402  after the number of threads is set
 import sarrus as sr  # noqa: E402
 from sarrus import mechanisms  # noqa: E402
 
+README = Path(__file__).parents[1] / "README.md"
+IMPORTS = "import numba, numpy, pydantic, scipy.linalg, scipy.sparse.linalg, yaml\n"  # other packages
 SHORT = 1e-4  # s: a run of one step or two
 METHODS = {"hht": sr.HHT(), "radau": sr.Radau()}
 
@@ -78,7 +85,7 @@ def derivatives(of: Subject, method: str) -> dict[str, float]:
     """A run with 1001 states, its outputs, and derivatives and errors of it as multiples of the run."""
 
     def simulated() -> sr.Trajectory:
-        return sr.simulate(of.system, of.start, until=of.until, method=METHODS[method], store_steps=True)
+        return sr.simulate(of.system, of.start, until=of.until, method=METHODS[method], store="steps")
 
     responses = {"final": sr.Final, "integral": sr.Integral, "maximum": sr.Maximum}
     run = simulated()
@@ -88,7 +95,7 @@ def derivatives(of: Subject, method: str) -> dict[str, float]:
     }
     first, later = timed(simulated)
     _, looked = timed(lambda: simulated()[of.output])
-    found = {"run.first_ms": first, "run.later_ms": later, "run_and_one_output.later_ms": looked}
+    found = {"run.first_ms": first, "run.later_ms": later, "one_output.later_ms": looked - later}
     for name, part in parts.items():
         first, again = timed(part)
         found |= {f"{name}.first_ratio": first / later, f"{name}.later_ratio": again / later}
@@ -116,13 +123,29 @@ def measured(of: Subject) -> dict[str, float]:
     return found
 
 
+def readme() -> dict[str, float]:
+    """Processor times of warm processes: README's Python blocks as one script, and the imports of other packages."""
+    code = "".join(re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL))
+    return {f"readme.{name}_ms": script(text) for name, text in (("all", code), ("imports", IMPORTS))}
+
+
+def script(text: str) -> float:
+    """The least processor time of some processes that run a text, after one that fills the cache. [ms]"""
+    text += "import sys, time\nprint(time.process_time(), file=sys.stderr)"
+    runs = [
+        subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
+        for _ in range(4)
+    ]
+    return 1e3 * min(float(run.stderr.split()[-1]) for run in runs[1:])
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--quick", action="store_true", help="short runs")
-    parser.add_argument("--only", help="the mechanism of this name")
+    parser.add_argument("--only", help="the mechanism of this name, or readme")
     chosen = parser.parse_args()
-    figures: dict[str, float] = {}
+    figures: dict[str, float] = readme() if chosen.only in (None, "readme") else {}
     for name, subject in subjects(chosen.quick).items():
         if chosen.only in (None, name):
             figures |= {f"{name}.{key}": value for key, value in measured(subject).items()}

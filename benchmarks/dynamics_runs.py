@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import tracemalloc
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -73,8 +74,8 @@ class Compared:
         p = self.problem
         began = time.process_time()
         run = sr.simulate(
-            p.system, p.start, until=p.until, t_eval=[p.until], method=method, rtol=tol, atol=tol,
-            max_step=p.longest, breakpoints=tuple(stops),
+            p.system, p.start, until=p.until, t_eval=[p.until],
+            method=replace(method, rtol=tol, atol=tol, max_step=p.longest), events=tuple(stops),
         )  # fmt: skip
         taken = time.process_time() - began
         return run, p.end(run) if run.success else np.full(3 * len(p.points), np.nan), taken

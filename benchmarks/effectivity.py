@@ -43,7 +43,7 @@ class Estimated(NamedTuple):
 def estimates(problem: Problem, **settings: Any) -> Iterator[Estimated]:
     """Of one problem with some settings; nothing for a run that fails."""
     known, (system, start) = problem.solution(), problem.make()
-    given = {"events": problem.events, "time_limit": PATIENCE, "store_steps": True, **settings}
+    given = {"events": problem.events, "limits": sr.Limits(time=PATIENCE), "store": "steps", **settings}
     run = sr.simulate(system, start, until=known.t[-1], t_eval=known.t, **given)
     if not run.success:
         print(f"{problem.name}: {run.status}")

@@ -102,8 +102,8 @@ def _frame(frame: Any) -> dict[str, Any]:
 class Exudyn:
     """A process that simulates one model."""
 
-    def __init__(self, python: str, told: Told) -> None:
-        command = [python, "-W", "ignore", str(Path(__file__).parent / "exudyn_run.py")]
+    def __init__(self, python: str, told: Told, program: str = "exudyn_run.py") -> None:
+        command = [python, "-W", "ignore", str(Path(__file__).parent / program)]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self._say(told.data)
 

@@ -12,6 +12,7 @@ import argparse
 import importlib.util
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +53,7 @@ def pendulum(n: int) -> sr.System:
 def error(system: sr.System, n: int, rtol: float, method: Any) -> tuple[float, int]:
     """The largest error (not a number where the end is not reached), and the steps."""
     times = np.linspace(0, UNTIL, 501)
-    run = sr.simulate(system, until=UNTIL, t_eval=times, rtol=rtol, atol=rtol, method=method)
+    run = sr.simulate(system, until=UNTIL, t_eval=times, method=replace(method, rtol=rtol, atol=rtol))
     if not run.success:
         return float("nan"), run.nsteps
     exact = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14, "t_eval": times}

@@ -44,7 +44,12 @@ def figures(driven: bool, steps: int) -> dict[str, Any]:
     for _ in range(PARTS):
         until = start.t + each * STEP
         run = sr.simulate(
-            system, start, until=until, t_eval=[until], method=sr.HHT(step=STEP), max_steps=10 * steps
+            system,
+            start,
+            until=until,
+            t_eval=[until],
+            method=sr.HHT(step=STEP),
+            limits=sr.Limits(steps=10 * steps),
         )
         if not run.success:
             return {"message": run.message, "steps": taken}

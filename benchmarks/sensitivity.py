@@ -16,6 +16,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,6 @@ import numpy as np
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.sensitivity.checkpoints import simulated_gradient
 from sarrus.analyses.sensitivity.combined import Composite
 from sarrus.analyses.sensitivity.hessian import Curvature
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
@@ -70,13 +70,18 @@ def subjects(quick: bool) -> dict[str, tuple[sr.System, sr.Assembly, dict[str, A
     road = sr.System(vehicle({"left": bump}))
     crank = sr.System(sr.load(mechanisms.path("slider_crank")))
     fine = {"rtol": 1e-6, "atol": 1e-7}
-    over = fine | {"until": 0.4 if quick else 4.0, "max_step": 0.02}
-    turn = fine | {"until": 1.0 if quick else 10.0}
+    over = {"until": 0.4 if quick else 4.0, "method": {**fine, "max_step": 0.02}}
+    turn = {"until": 1.0 if quick else 10.0, "method": fine}
     return {
-        "hmmwv": (flat, rolling(flat), {"until": 0.3 if quick else 5.0, **TOLERANCES}, comfort),
+        "hmmwv": (flat, rolling(flat), {"until": 0.3 if quick else 5.0, "method": TOLERANCES}, comfort),
         "hmmwv_bump": (road, moved(road, speed=SPEED), over, comfort),
         "slider_crank": (crank, sr.assemble(crank), turn, sr.Integral("energy.kinetic")),
     }
+
+
+def tight(method: Any, settings: dict[str, Any]) -> Any:
+    """A method with the tolerances of a run, whose steps are in one piece, as for chains."""
+    return replace(method, **settings["method"])
 
 
 def ratios(
@@ -85,8 +90,8 @@ def ratios(
     """Times of derivatives as multiples of that of the run without any."""
 
     def simulated(store_steps: bool) -> sr.Trajectory:
-        given = {"t_eval": [settings["until"]], "corners": False}  # steps in one piece, as for chains
-        return sr.simulate(system, start, store_steps=store_steps, **given, **settings)
+        given = {"t_eval": [settings["until"]]}
+        return sr.simulate(system, start, store="steps" if store_steps else "samples", **given, **settings)
 
     run = simulated(True)
     steps, parameters = run.steps, Parameters(system, start=run.steps.start)
@@ -144,17 +149,18 @@ def long_run(way: str, quick: bool) -> dict[str, float]:
 def measured_long_run(way: str, steps: int) -> dict[str, float]:
     """The same in this process; of "both" the least and the largest of some ratios of their times, taken in turn."""
     system = sr.System(sr.load(mechanisms.path("slider_crank")))
-    settings: dict[str, Any] = {"rtol": 1e-6, "atol": 1e-7, "max_step": 1e-3}
+    settings: dict[str, Any] = {"method": sr.Radau(rtol=1e-6, atol=1e-7, max_step=1e-3)}
     energy = sr.Integral("energy.kinetic")
 
     def by_checkpoints(until: float) -> float:
+        run = sr.simulate(system, until=until, t_eval=[until], **settings)
         began = time.process_time()
-        simulated_gradient(system, energy, until=until, **settings)
+        sr.sensitivity(run, energy, memory="100 MB")  # which repeats the run
         return time.process_time() - began
 
     def by_steps(until: float) -> float:
         began = time.process_time()
-        run = sr.simulate(system, until=until, t_eval=[until], store_steps=True, **settings)
+        run = sr.simulate(system, until=until, t_eval=[until], store="steps", **settings)
         sr.sensitivity(run, energy)
         return time.process_time() - began
 
@@ -184,7 +190,9 @@ def published(repeats: int) -> dict[str, float]:
     energy = sr.Integral("energy.kinetic")
 
     def both() -> sr.Gradient:
-        run = sr.simulate(system, until=10.0, t_eval=[10.0], rtol=1e-6, atol=1e-6, store_steps=True)
+        run = sr.simulate(
+            system, until=10.0, t_eval=[10.0], method=sr.Radau(rtol=1e-6, atol=1e-6), store="steps"
+        )
         return sr.sensitivity(run, energy, list(SUNDIALS), design=SUNDIALS, formula=sundials)
 
     error = abs(both().matrix[0] - wanted).max() / abs(wanted).max()
@@ -215,7 +223,9 @@ def main() -> None:
         f"{name}.{method}.{key}": value
         for name, (system, start, settings, response) in subjects(chosen.quick).items()
         for method, own in METHODS.items()
-        for key, value in ratios(system, start, settings | {"method": own}, response, repeats).items()
+        for key, value in ratios(
+            system, start, settings | {"method": tight(own, settings)}, response, repeats
+        ).items()
     }
     for way in WAYS:
         told = long_run(way, chosen.quick)

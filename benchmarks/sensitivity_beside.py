@@ -14,6 +14,7 @@ import argparse
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +44,9 @@ class Subject:
 
     def run(self, keep: bool = False, **settings: Any) -> sr.Trajectory:
         """The simulation."""
-        found = sr.simulate(self.system, until=UNTIL, t_eval=[UNTIL], store_steps=keep, **settings)
+        found = sr.simulate(
+            self.system, until=UNTIL, t_eval=[UNTIL], store="steps" if keep else "samples", **settings
+        )
         if not found.success:
             raise SystemExit(found.message)
         return found
@@ -68,7 +71,7 @@ class Subject:
 
 def rows(subject: Subject, method: str, tolerance: float, repeats: int) -> list[dict[str, Any]]:
     """Sarrus and central differences of its runs with a method at a tolerance."""
-    settings = {"method": METHODS[method][0], "rtol": tolerance, "atol": tolerance}
+    settings = {"method": replace(METHODS[method][0], rtol=tolerance, atol=tolerance)}
     found = subject.gradient(**settings)
     common = {"rtol": tolerance, "value_error": float(abs(found.values[0] - subject.value))}
     run = best(lambda: subject.run(**settings), repeats)

@@ -26,7 +26,7 @@ SCRIPT = """
 import sarrus as sr
 from sarrus import mechanisms
 system = sr.System(sr.load(mechanisms.path("slider_crank")))
-run = sr.simulate(system, sr.assemble(system), until=10.0, store_steps=True)
+run = sr.simulate(system, sr.assemble(system), until=10.0, store="steps")
 print(sr.sensitivity(run, sr.Final("slider.x")).table(most=3))
 """
 ACTION = """

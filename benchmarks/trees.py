@@ -18,6 +18,7 @@ import sys
 import time
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -73,9 +74,7 @@ class Problem:
             self.start,
             until=self.until,
             t_eval=[self.until],
-            method=MAKERS[method](),
-            rtol=tolerance,
-            atol=tolerance,
+            method=replace(MAKERS[method](), rtol=tolerance, atol=tolerance),
         )
 
     def setup(self) -> float:

@@ -62,6 +62,7 @@ CHAPTERS: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     ),
     "optimization": ("Optimization and parameter estimation", {"Optimization": ("analyses.optimization",)}),
     "workspaces": ("Workspaces", {"Workspaces": ("analyses.workspace",)}),
+    "vehicles": ("Suspensions", {"Suspensions": ("vehicles",)}),
     "studies": (
         "Studies and uncertainty",
         {
@@ -94,6 +95,7 @@ INNER = {
     "analyses.sensitivity": """pointwise output_label times coarse at_kinks by_times by_times_along weights
         weights_along rule rule_by_times evaluate outermost residuals title unit value""",
     "analyses.workspace": "of tried begin_at ray positions_outside",
+    "vehicles": "headline",
     "studies": """result short found check begin started start_warnings described settings assembled grid at frozen
         points""",
     "outputs": "constant element scalars replayed local vector input",

@@ -18,7 +18,7 @@ from sarrus.functions import positive, sin
 LAG, SOFT = 0.01, 0.3  # s; remaining fraction of the damping of the passive dampers
 GAINS = np.linspace(0, 3e4, 61)  # N s/m
 SPEED, SEAT = 8.0, "chassis(-0.2, 0.6, 0.3).acceleration.z"  # m/s, m/s²
-SETTINGS = {"until": 1.5, "rtol": 1e-4, "atol": 1e-6, "max_step": 0.02}
+SETTINGS = {"until": 1.5, "method": sr.Radau(rtol=1e-4, atol=1e-6, max_step=0.02)}
 
 
 def bump(x):

@@ -42,7 +42,7 @@ def bouncer() -> sr.System:
 def main(folder: str | Path = ".") -> tuple[sr.Trajectory, sr.Gradient]:
     """The rod bounces off a stop; the gradient of its last angle goes through the impacts."""
     stop = sr.Event("rod.x", direction=-1, reset=sr.Impact(0.6), name="stop")
-    run = sr.simulate(bouncer(), until=2.0, method=METHOD, events=stop, dense_output=True, store_steps=True)
+    run = sr.simulate(bouncer(), until=2.0, method=METHOD, events=stop, store="steps")
     numbers = ["rod.mass", "ball.mass", "gravity.y", "stop.restitution"]
     gradient = sr.sensitivity(run, sr.Final("pin.angle"), numbers)
     from matplotlib.figure import Figure

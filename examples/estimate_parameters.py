@@ -20,7 +20,7 @@ GUESS = {"coupler_mass": 1.6, "rocker_mass": 1.9, "damping": 8.0, "foot": 1.52} 
 UNKNOWN = [name for name in TRUE if name not in KNOWN]
 BOUNDS = {"coupler_mass": (0.2, 5), "rocker_mass": (0.2, 5), "damping": (0, 50), "foot": (1.3, 1.7)}
 TIMES = np.linspace(0.025, 1.5, 60)
-SETTINGS = {"rtol": 1e-6, "atol": 1e-8}
+SETTINGS = {"method": sr.Radau(rtol=1e-6, atol=1e-8)}
 CRANK, COUPLER, ROCKER = 0.5, 1.4, 1.0  # m
 
 
@@ -99,7 +99,7 @@ SENSORS = {"pivot.angle": 2e-3, tip: 1e-3}  # rad, m: what is measured, with its
 def measurements(seed: int) -> list[sr.Misfit]:
     """Measurements of two sensors on the true mechanism, with noise."""
     seen = [sr.At(of, time=t) for of in SENSORS for t in TIMES]
-    problem = sr.Problem(mechanism(TRUE), seen, [], until=TIMES[-1], rtol=1e-8, atol=1e-10)
+    problem = sr.Problem(mechanism(TRUE), seen, [], until=TIMES[-1], method=sr.Radau(rtol=1e-8, atol=1e-10))
     sigmas = np.repeat([*SENSORS.values()], len(TIMES))
     data = problem.values(problem.x0) + sigmas * np.random.default_rng(seed).normal(size=len(sigmas))
     parts = np.split(data, len(SENSORS))

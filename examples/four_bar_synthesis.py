@@ -44,7 +44,7 @@ LIMITS = (
 BOUNDS = dict(zip(START, LIMITS))
 TIMES = np.linspace(0.0, UNTIL, 9)[:-1]
 EXACT = 1e-3  # m, scale of the distances from the points
-SETTINGS = {"rtol": 1e-5, "atol": 1e-7}
+SETTINGS = {"method": sr.Radau(rtol=1e-5, atol=1e-7)}
 
 
 def numbers(d):

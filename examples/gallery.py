@@ -19,7 +19,7 @@ HERE = Path(__file__).parent
 PICTURES = HERE.parent / "docs" / "gallery"
 DPI = 60
 WIDE, COLOURS = 1000, 128  # [pixels] of pictures that are halved; of all
-PRECISE = {"method": sr.ODE("DOP853"), "rtol": 1e-11, "atol": 1e-13}
+PRECISE = {"method": sr.ODE("DOP853", rtol=1e-11, atol=1e-13)}
 
 
 class Entry(NamedTuple):
@@ -109,6 +109,9 @@ SCRIPTS = (  # each draws into a folder
     "active_suspension",
     "engine_mounts",
     "press_tolerances",
+    "tie_rod",
+    "lane_change",
+    "tyre_from_measurements",
     "implicit_midpoint",
     "bdf2",
 )

@@ -55,20 +55,22 @@ def moved(system: sr.System, rise: float = 0.0, speed: float = 0.0) -> sr.Assemb
 def settle() -> sr.Trajectory:
     """Dropped from 5 cm above its rest position."""
     system = sr.System(vehicle())
-    return sr.simulate(system, moved(system, rise=0.05), until=3.0, rtol=1e-6, atol=1e-7)
+    return sr.simulate(system, moved(system, rise=0.05), until=3.0, method=sr.Radau(rtol=1e-6, atol=1e-7))
 
 
 def over_the_bump() -> sr.Trajectory:
     """At 5 m/s over a bump of 6 cm under the left wheels; steps that are too long would miss the bump."""
     system = sr.System(vehicle({"left": bump}))
-    return sr.simulate(system, moved(system, speed=SPEED), until=4.0, rtol=1e-6, atol=1e-7, max_step=0.02)
+    return sr.simulate(
+        system, moved(system, speed=SPEED), until=4.0, method=sr.Radau(rtol=1e-6, atol=1e-7, max_step=0.02)
+    )
 
 
 def steered() -> sr.Trajectory:
     """The rack moves 5 cm to the left and to the right, while the vehicle stands."""
     driver = sr.DisplacementDriver("steering", "rack", motion=lambda t: 0.05 * sin(pi * t))
     model = vehicle(drivers=[driver])
-    return sr.simulate(sr.System(model), until=2.0, rtol=1e-6, atol=1e-7)
+    return sr.simulate(sr.System(model), until=2.0, method=sr.Radau(rtol=1e-6, atol=1e-7))
 
 
 def loads(run: sr.Trajectory) -> dict[str, np.ndarray]:

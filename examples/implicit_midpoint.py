@@ -36,10 +36,10 @@ def main(folder: str | Path = ".") -> tuple[dict[str, sr.Trajectory], sr.Gradien
     """Energies of a long run with equal steps, compared with HHT; the gradient and the Hessian of the last position."""
     system, low = pendulum(), sr.Event("rod.x", direction=-1, name="low")
     equal = replace(METHOD, error=sr.Estimate(2, 0.0, lambda h, ratio: {}))  # all steps are max_step long
-    methods = {"implicit midpoint": equal, "HHT": sr.HHT(step=0.02)}
-    runs = {name: sr.simulate(system, until=50, method=method, events=low, first_step=0.02, max_step=0.02)
-            for name, method in methods.items()}  # fmt: skip
-    short = sr.simulate(system, until=1.0, method=METHOD, store_steps=True)
+    midpoint = sr.DescribedMethod(equal, first_step=0.02, max_step=0.02)
+    methods = {"implicit midpoint": midpoint, "HHT": sr.HHT(step=0.02)}
+    runs = {name: sr.simulate(system, until=50, method=one, events=low) for name, one in methods.items()}
+    short = sr.simulate(system, until=1.0, method=METHOD, store="steps")
     numbers = ["rod.inertia.zz", "gravity.y"]
     gradient = sr.sensitivity(short, sr.Final("rod.x"), numbers)
     hessian = sr.hessian(short, sr.Final("rod.x"), numbers)

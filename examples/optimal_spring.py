@@ -12,7 +12,7 @@ import sarrus as sr
 
 MODEL = Path(__file__).parent / "sundials_slider_crank.yaml"
 UNTIL = 10.0  # s
-SETTINGS = {"method": sr.Radau(), "rtol": 1e-6, "atol": 1e-8}  # few steps, many digits
+SETTINGS = {"method": sr.Radau(rtol=1e-6, atol=1e-8)}  # few steps, many digits
 BOUNDS = {"spring.k": (0.2, 2.0), "spring.c": (0.2, 2.5)}
 MOST = 0.35  # N, largest compressive force in the second design
 

@@ -17,7 +17,7 @@ ACROSS = (0, 0, 1)
 UNTIL = 1.5  # s
 COUNT = 60  # splines of each motor
 GOAL = (2.2, -1.0)  # rad, the joints' angles at the end, at rest
-SETTINGS = {"rtol": 1e-5, "atol": 1e-7}
+SETTINGS = {"method": sr.Radau(rtol=1e-5, atol=1e-7)}
 
 
 def spline(place: int) -> sr.Curve:

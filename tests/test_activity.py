@@ -173,7 +173,7 @@ def test_analyses_and_drawings_are_activities(
         asked.append(line(2.0))
 
     system = slider_crank()
-    run = sr.simulate(system, until=0.05, store_steps=True, t_eval=np.linspace(0, 0.05, 3))
+    run = sr.simulate(system, until=0.05, store="steps", t_eval=np.linspace(0, 0.05, 3))
     monkeypatch.setattr(activity, "_watch", watch)
     end = sr.Final("slider.x")
     whole = sr.Simulation(until=0.01, steps=2)

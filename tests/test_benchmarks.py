@@ -75,6 +75,17 @@ def test_studies() -> None:
     assert found["speedup"] > 0
 
 
+def test_vehicles() -> None:
+    """A lane change of the car, with the derivatives of three responses by all of its parameters."""
+    found = figures("vehicles.py", "--quick")
+    assert found["bodies"] == 14
+    assert min(found["parameters"], found["steps"]) > 100
+    assert found["gradient"].keys() == {"final", "integral", "maximum"}
+    assert all(
+        value > 0 for value in (found["real_time"], found["hht_real_time"], *found["gradient"].values())
+    )
+
+
 def test_first_uses_are_timed() -> None:
     (found,) = figures("start.py", "--warm", "simulate").values()
     assert 0 < found["warm_cpu_s"]
@@ -124,8 +135,8 @@ def test_a_step_of_radau_costs_more_than_one_of_hht_and_is_longer() -> None:
 def test_sensitivity() -> None:
     found = figures("sensitivity.py", "--quick")
     for method in ("hht", "radau"):
-        # 563 before velocities that a model leaves out (6 of each of 14 bodies) followed from the others
-        assert found[f"hmmwv.{method}.parameters"] == 479
+        # all numbers of parts, without those of velocities that a model leaves out
+        assert found[f"hmmwv.{method}.parameters"] == 489
         assert 0 < found[f"hmmwv.{method}.direct_ratio_per_parameter"] < 0.5
     assert found["sundials_crank.gradient_error"] < 5e-3
 

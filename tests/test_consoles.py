@@ -50,7 +50,7 @@ def test_results_are_printed_in_characters_of_the_console(
         monkeypatch.setattr(sys, name, TextIOWrapper(stream, encoding=encoding, write_through=True))
     model = sr.load("slider_crank")
     system = sr.System(model)
-    run = sr.simulate(system, until=0.01, store_steps=True, progress=True)
+    run = sr.simulate(system, until=0.01, store="steps", progress=True)
     gradient = sr.sensitivity(run, sr.Final("slider.x"), ["spring.k"])
     start = sr.assemble(system)
     for shown in (

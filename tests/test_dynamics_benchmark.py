@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+import sarrus as sr
+
 BENCHMARKS = Path(__file__).resolve().parent.parent / "benchmarks"
 
 
@@ -79,6 +81,27 @@ def test_exudyn_is_told_the_vehicle(load: Any) -> None:
     fixed = sum(sum(joint.get("fixed", ())) + whole.get(joint["type"], 0) for joint in told["joints"])
     assert fixed == 73
     assert all(body["velocity"] == pytest.approx([5, 0, 0]) for body in told["bodies"])
+
+
+def test_exudyn_is_told_the_car(load: Any) -> None:
+    """Bodies, springs, tyres, bars and the rack; tyres start as they do in Sarrus, with R_e Ω = V."""
+    beside = load("vehicles_beside")
+    system = beside.coasting()
+    start = sr.rolling_start(system, 20.0)
+    told = json.loads(json.dumps(beside.told(system, start).data))
+    assert [body["velocity"] == pytest.approx([20, 0, 0]) for body in told["bodies"]] == [True] * 14
+    kinds = [part["type"] for part in told["forces"]]
+    assert {kind: kinds.count(kind) for kind in kinds} == {
+        "tsda": 4,
+        "rolling_tyre": 4,
+        "bar": 2,
+        "steered": 1,
+    }
+    places = {body["name"]: np.array(body["position"]) for body in told["bodies"]}
+    for tyre in (part for part in told["forces"] if part["type"] == "rolling_tyre"):
+        height = places[tyre["body"]][2] + tyre["values"][0][2]
+        assert tyre["coefficients"]["UNLOADED_RADIUS"] > 20.0 / tyre["start"][2] > height
+        assert len(tyre["values"]) == 8
 
 
 def test_the_bump_is_that_of_the_road(load: Any) -> None:

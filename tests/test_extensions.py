@@ -92,12 +92,9 @@ def run(folder: Path) -> sr.Trajectory:
 def simulated(folder: Path, *events: sr.Event, **parameters: Any) -> sr.Trajectory:
     system = sr.System(sr.load(folder / "all.yaml", parameters=parameters))
     steps = {
-        "first_step": UNTIL / 100,
-        "max_step": UNTIL / 100,
-        "rtol": 0.1,
-        "atol": 0.1,
+        "method": sr.Radau(first_step=UNTIL / 100, max_step=UNTIL / 100, rtol=0.1, atol=0.1)
     }  # equal in all runs
-    return sr.simulate(system, until=UNTIL, store_steps=True, events=events, **steps)
+    return sr.simulate(system, until=UNTIL, store="steps", events=events, **steps)
 
 
 def test_every_example_is_used() -> None:
@@ -187,9 +184,13 @@ def test_a_method_runs_them_with_gradients(folder: Path) -> None:
     from implicit_euler import euler  # type: ignore[import-not-found]
 
     system = sr.System(sr.load(folder / "all.yaml"))
-    steps = {"first_step": 1e-3, "max_step": 1e-3, "rtol": 0.1, "atol": 0.1}
-    found = sr.simulate(system, until=0.05, method=euler(), store_steps=True, **steps)
-    exact = sr.simulate(system, until=0.05, method=sr.Radau(), rtol=1e-10, atol=1e-12)
+    found = sr.simulate(
+        system,
+        until=0.05,
+        method=sr.DescribedMethod(euler(), first_step=1e-3, max_step=1e-3, rtol=0.1, atol=0.1),
+        store="steps",
+    )
+    exact = sr.simulate(system, until=0.05, method=sr.Radau(rtol=1e-10, atol=1e-12))
     error = np.abs(found.q[-1] - exact.q[-1]).max()
     assert 1e-7 < error < 1e-3  # of order one
     responses, wrt = [sr.Final("slider.x"), sr.Final("pull.pull")], ["g", "slider.mass"]

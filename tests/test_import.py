@@ -84,7 +84,7 @@ import sys
 import sarrus as sr
 from sarrus.model.file.forms import tagged_model
 system = sr.System(sr.load("slider_crank"))
-run = sr.simulate(system, sr.assemble(system), until=0.2, store_steps=True)
+run = sr.simulate(system, sr.assemble(system), until=0.2, store="steps")
 sr.sensitivity(run, sr.Final("slider.x")).table(most=3)
 idle = ("numba.typed.dictimpl", "scipy.interpolate", "scipy.optimize", "sarrus.views.shows", "pint")
 print([name for name in idle if name in sys.modules], tagged_model.cache_info().currsize)

@@ -81,7 +81,7 @@ def pendulum() -> sr.System:
 
 @cache
 def run() -> sr.Trajectory:
-    return sr.simulate(pendulum(), until=0.05, store_steps=True)
+    return sr.simulate(pendulum(), until=0.05, store="steps")
 
 
 def quarter_car(k: float, **given: Any) -> sr.System:
@@ -117,10 +117,10 @@ REFUSED: list[Mistake] = [
     ("t_eval outside", lambda: sr.simulate(pendulum(), until=1, t_eval=[0, 2]), "t_eval", "numpy.linspace(0, 1"),
     ("t_eval not sorted", lambda: sr.simulate(pendulum(), until=1, t_eval=[0.5, 0.2]), "t_eval", "rising"),
     ("t_eval as a count", lambda: sr.simulate(pendulum(), until=1, t_eval=100), "t_eval", "Give a list"),
-    ("option misspelt", lambda: sr.simulate(pendulum(), until=1, rtoll=1), "rtoll", 'mean "rtol"'),  # type: ignore[call-arg]
+    ("option misspelt", lambda: sr.simulate(pendulum(), until=1, t_evals=1), "t_evals", 'mean "t_eval"'),  # type: ignore[call-arg]
     ("method as a text", lambda: sr.simulate(pendulum(), until=1, method="RK45"), "method", "Radau()"),  # type: ignore[arg-type]
-    ("loose tolerance", lambda: sr.simulate(pendulum(), until=1, rtol=10), "rtol", "1e-6"),
-    ("negative tolerance", lambda: sr.simulate(pendulum(), until=1, rtol=-1), "rtol", "1e-6"),
+    ("loose tolerance", lambda: sr.simulate(pendulum(), until=1, method=sr.Radau(rtol=10)), "rtol", "1e-6"),
+    ("negative tolerance", lambda: sr.simulate(pendulum(), until=1, method=sr.Radau(rtol=-1)), "rtol", "1e-6"),
     ("run for a start", lambda: sr.simulate(pendulum(), run(), until=1), "start", "run.final"),  # type: ignore[arg-type]
     ("event as a function", lambda: sr.simulate(pendulum(), until=1, events=len), "events", "sarrus.Event"),  # type: ignore[arg-type]
     ("too many arguments", lambda: sr.workspace(pendulum(), "arm.x", "arm.z"), "workspace", "Name the others"),  # type: ignore[call-arg, arg-type]
@@ -170,7 +170,7 @@ REFUSED: list[Mistake] = [
     ("joint misspelt", lambda: run().joint("pinn"), "pinn", 'mean "pin"'),
     ("response misspelt", lambda: sr.sensitivity(run(), sr.Final("arm.xx")), "arm.xx", 'mean "arm.x"'),
     ("wrt misspelt", lambda: sr.sensitivity(run(), "arm.x", wrt=["arm.mas"]), "arm.mas", 'mean "arm.mass"'),
-    ("derivatives of a system", lambda: sr.sensitivity(pendulum(), "arm.x"), "need a run", "store_steps=True"),  # type: ignore[arg-type]
+    ("derivatives of a system", lambda: sr.sensitivity(pendulum(), "arm.x"), "need a run", "store='steps'"),  # type: ignore[arg-type]
     ("rate of an unknown joint", lambda: sr.assemble(pendulum(), rates={"pinn": 1}), "pinn", "mean"),
     ("bounds exchanged", lambda: lightest((3, 1)), "arm.mass", "Exchange"),
     ("class misspelt", lambda: sr.Revolut, "Revolut", 'mean "Revolute"'),
@@ -316,10 +316,10 @@ def test_results_carry_the_warnings_of_a_system_and_strict_raises_them() -> None
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert sr.assemble(odd).warnings == odd.warnings != ()  # issued once, when the system was made
-    with pytest.raises(sr.StrictError, match="k in N/m"):
-        sr.assemble(odd, strict=True)
-    with pytest.raises(sr.StrictError, match="k in N/m"):
-        sr.System(odd.model, strict=True)
+    with pytest.raises(sr.StrictError, match="k in N/m"), sr.strict():
+        sr.assemble(odd)
+    with pytest.raises(sr.StrictError, match="k in N/m"), sr.strict():
+        sr.System(odd.model)
 
 
 EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.yaml"))
@@ -377,7 +377,7 @@ EDITS = [  # old text, new text, the part and the remedy
     ("ground, arm]", "Ground, arm]", 'joint "pin"', 'mean "ground"'),
     ("ground, arm]", "arm]", 'joint "pin": bodies', "Give 2"),
     ("axis: [0, 1, 0]", "axis: y", 'joint "pin": axis', "in brackets"),
-    ("point: [0, 0, 0]", "point: origin", 'joint "pin": point', "Define it under points"),
+    ("point: [0, 0, 0]", "point: origin", 'joint "pin": point', "Define it under hardpoints"),
     ("at: [0, 0, 1]", "at: [0, 0, 1], global: [0, 0, 1]", 'force "spring": points[0]', "Give at"),
     ("k: 100", "k: 5*", 'force "spring": k', 'Check "5*"'),
     ("gravity:", "gravitiy:", "gravitiy", 'mean "gravity"'),

@@ -1,5 +1,6 @@
 """Python takes times with units and methods by name, as the command line and files do."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -27,9 +28,12 @@ def dropped() -> sr.System:
     ],
 )
 def test_methods_by_name_and_times_with_units(name: str, method: object) -> None:
-    by_text = sr.simulate(dropped(), until="200 ms", max_step="0.1 s", time_limit="1 min", method=name)
-    by_number = sr.simulate(dropped(), until=0.2, max_step=0.1, time_limit=60, method=method)
+    by_text = sr.simulate(dropped(), until="200 ms", limits=sr.Limits(time="1 min"), method=name)
+    by_number = sr.simulate(dropped(), until=0.2, limits=sr.Limits(time=60), method=method)
     assert np.array_equal(by_text.q, by_number.q)
+    assert replace(method, max_step="10 ms", first_step="1 ms") == replace(
+        method, max_step=0.01, first_step=0.001
+    )
     assert by_text.t[-1] == 0.2
 
 

@@ -53,10 +53,8 @@ def functions() -> dict[str, tuple[Any, dict[str, Any]]]:
         "assemble": (sr.assemble, {"system": system, "q": None, "v": None, "t": 0.0, "tolerance": 1e-12,
         "iterations": 20, "seed": 0,
                                    "fixed": (), "metric": "unit", "restarts": 1, "rates": None}),
-        "simulate": (sr.simulate, {"system": system, "start": start, "until": 0.02, "rtol": 1e-6,
-        "atol": 1e-8, "max_step": 1.0, "events": (),
-                                   "first_step": None, "t_eval": None, "breakpoints": (), "time_limit": 3.0,
-                                   "max_steps": 50, "method": sr.HHT()}),
+        "simulate": (sr.simulate, {"system": system, "start": start, "until": 0.02, "events": [], "t_eval": None,
+        "limits": sr.Limits(time=3.0, steps=50), "method": sr.HHT(rtol=1e-6, atol=1e-8, max_step=1.0)}),
         "kinematics": (sr.kinematics, {"system": system, "times": [0.0, 0.01], "q": None, "time_limit": 3.0}),
         "equilibrium": (sr.equilibrium, {"system": system, "q": None, "t": 0.0, "iterations": 20}),
         "linearize": (sr.linearize, {"system": system, "q": start.q, "v": None, "t": 0.0, "outputs": ["slider.x"]}),
@@ -142,9 +140,13 @@ def _used(result: Any) -> list[str]:
         model = sr.Model("m", **parts)
         return list(oracle.nonsense(model))
     if isinstance(result, sr.HHT | sr.GeneralizedAlpha | sr.Radau):
-        result = sr.simulate(crank()[1], crank()[2], until=0.01, method=result, time_limit=3.0, max_steps=50)
+        result = sr.simulate(
+            crank()[1], crank()[2], until=0.01, method=result, limits=sr.Limits(time=3.0, steps=50)
+        )
     if isinstance(result, sr.Event):
-        result = sr.simulate(crank()[1], crank()[2], until=0.01, events=result, time_limit=3.0, max_steps=50)
+        result = sr.simulate(
+            crank()[1], crank()[2], until=0.01, events=result, limits=sr.Limits(time=3.0, steps=50)
+        )
     if getattr(result, "success", False) and not _finite(getattr(result, "q", 0.0)):
         return [f"{type(result).__name__} says success, but q is not finite"]
     return []

@@ -49,6 +49,7 @@ if (
     from .results import load_run as load_run
     from .studies import *
     from .system import System as System
+    from .vehicles import *
     from .views import animate as animate
     from .views import view as view
 

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -69,13 +70,7 @@ def effectivities(name: str, **settings: Any) -> dict[str, float]:
     problem = problem_of(name)
     (system, start), known = problem.make(), problem.solution()
     run = sr.simulate(
-        system,
-        start,
-        until=problem.until,
-        t_eval=known.t,
-        store_steps=True,
-        events=problem.events,
-        **settings,
+        system, start, until=problem.until, t_eval=known.t, store="steps", events=problem.events, **settings
     )
     kinds = [kind for kind in ("positions", "velocities", "reactions") if kind in problem.read]
     names = [one for kind in kinds for one in problem.read[kind]]
@@ -91,7 +86,7 @@ def effectivities(name: str, **settings: Any) -> dict[str, float]:
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", SMOOTH)
 def test_smooth_motions(name: str) -> None:
-    found = effectivities(name, method=sr.Radau(), rtol=1e-4, atol=1e-6)
+    found = effectivities(name, method=sr.Radau(rtol=1e-4, atol=1e-6))
     assert found
     for response, effectivity in found.items():
         assert 0.3 < effectivity < 3, (response, effectivity)
@@ -147,12 +142,12 @@ def test_methods_of_order_two(name: str, method: Any) -> None:
 
 def pendulum(**settings: Any) -> sr.Trajectory:
     system, start = problem_of("pendulum, from the horizontal").make()
-    return sr.simulate(system, start, until=2.0, store_steps=True, **settings)
+    return sr.simulate(system, start, until=2.0, store="steps", **settings)
 
 
 def test_responses_over_the_whole_run() -> None:
     responses = [sr.Integral("bob.x"), sr.Maximum("pin.angle.rate"), sr.At("bob.z", time=1.0)]
-    exact = pendulum(method=sr.Radau(), rtol=1e-11, atol=1e-12).error(responses)
+    exact = pendulum(method=sr.Radau(rtol=1e-11, atol=1e-12)).error(responses)
     for method in (sr.Radau(), sr.HHT()):
         for one, true in zip(pendulum(method=method).error(responses), exact, strict=True):
             assert 0.3 < one.estimate / (one.value - true.value) < 3, one
@@ -167,7 +162,11 @@ def test_through_impacts() -> None:
     cases = ((sr.Radau(), 1e-4), (sr.HHT(), 1e-5), (sr.Radau(), 1e-12))
     runs = [
         sr.simulate(
-            system, until=2.5, events=bounce, store_steps=True, method=method, rtol=rtol, atol=rtol / 100
+            system,
+            until=2.5,
+            events=bounce,
+            store="steps",
+            method=replace(method, rtol=rtol, atol=rtol / 100),
         )
         for method, rtol in cases
     ]
@@ -214,7 +213,7 @@ def test_estimates_alone_weigh_with_adjoints_of_some_digits(name: str) -> None:
 def test_errors_of_adjoints_do_not_add_up_in_long_runs() -> None:
     """A flywheel of 80 revolutions: nothing restores its angle, and the adjoint sums its errors twice."""
     system, _ = problem_of("flywheel, to 10 000 rad/s").make()
-    run, names, until = sr.simulate(system, until=0.7, store_steps=True), ["pin.angle", "pin.angle.rate"], 0.7
+    run, names, until = sr.simulate(system, until=0.7, store="steps"), ["pin.angle", "pin.angle.rate"], 0.7
     truth = (1000.0 * until**2, 2000.0 * until)
     alone, beside = run.error(names), sr.sensitivity(run, names, error=True).errors
     for one, other, exact in zip(alone, beside, truth, strict=True):
@@ -269,7 +268,7 @@ def stored(name: str) -> tuple[sr.Trajectory, list[str]]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         system, start = problem.make()
-        run = sr.simulate(system, start, until=problem.until, events=problem.events, store_steps=True)
+        run = sr.simulate(system, start, until=problem.until, events=problem.events, store="steps")
     columns = [as_column(one) for kind in KINDS if kind in problem.read for one in problem.read[kind]]
     return run, list(dict.fromkeys(name for column in columns for name in column.outputs))
 
@@ -278,7 +277,7 @@ def test_an_error_is_never_zero() -> None:
     """A free fall is exact but for round-off."""
     ball = sr.Body("ball", 1.0, (1e-3,) * 3, position=(0, 0, 1.0))
     system = sr.System(sr.Model("fall", [ball], [], [], gravity=(0, 0, -9.81)))
-    found = sr.simulate(system, until=1.0, store_steps=True, method=sr.Radau()).error("ball.z")
+    found = sr.simulate(system, until=1.0, store="steps", method=sr.Radau()).error("ball.z")
     assert found.error > 0
     assert abs(found.value - (1 - 9.81 / 2)) <= 100 * found.error
     assert found.error < 1e-13
@@ -291,7 +290,7 @@ import sarrus as sr
 body = sr.Body("b", mass=1.0, inertia=(1, 1, 1))
 slide = sr.Translational("s", sr.ground, body, point=(0, 0, 0), axis=(0, 0, 1))
 system = sr.System(sr.Model("m", [body], [slide], gravity=(0, 0, -9.81)))
-print(sr.simulate(system, until=0.1, store_steps=True).error("b.z").response)
+print(sr.simulate(system, until=0.1, store="steps").error("b.z").response)
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert "b.z" in done.stdout

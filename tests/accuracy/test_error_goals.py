@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,9 +28,9 @@ EXACT = 0.1 * np.cos(20.0)
 @pytest.mark.parametrize(
     "settings",
     [
-        {"method": sr.Radau(), "rtol": 1e-3, "atol": 1e-4},
-        {"method": sr.Radau(), "rtol": {"position": 1e-3}, "atol": {"position": "100 um"}},
-        {"method": sr.HHT(), "rtol": 1e-4, "atol": 1e-5},
+        {"method": sr.Radau(rtol=1e-3, atol=1e-4)},
+        {"method": sr.Radau(rtol={"position": 1e-3}, atol={"position": "100 um"})},
+        {"method": sr.HHT(rtol=1e-4, atol=1e-5)},
         {"method": sr.HHT(step=0.01)},
     ],
 )
@@ -38,7 +39,7 @@ def test_goals_are_met(settings: Any, goal: Any) -> None:
     first = sr.simulate(oscillator(), until=2.0, **settings).output("mass.x").values[-1]
     wanted = 1e-6 if goal == "1 um" else goal
     assert abs(first - EXACT) > wanted
-    run = sr.simulate(oscillator(), until=2.0, error={"mass.x": goal}, **settings)
+    run = sr.simulate(oscillator(), until=2.0, limits=sr.Limits(errors={"mass.x": goal}), **settings)
     assert run.success, run.message
     assert abs(run.output("mass.x").values[-1] - EXACT) < wanted
     assert run.error("mass.x").error < wanted
@@ -46,13 +47,13 @@ def test_goals_are_met(settings: Any, goal: Any) -> None:
 
 def test_several_responses() -> None:
     goals = {"mass.x": "10 um", sr.Integral("mass.x"): 1e-7}
-    run = sr.simulate(oscillator(), until=2.0, method=sr.Radau(), rtol=1e-2, error=goals)
+    run = sr.simulate(oscillator(), until=2.0, method=sr.Radau(rtol=1e-2), limits=sr.Limits(errors=goals))
     assert abs(run.error(sr.Integral("mass.x")).value - 0.01 * np.sin(20.0)) < 1e-7
 
 
 def test_a_goal_below_round_off_is_missed() -> None:
     """The run has its end and its errors all the same."""
-    run = sr.simulate(oscillator(), until=2.0, method=sr.Radau(), error={"mass.x": 1e-18})
+    run = sr.simulate(oscillator(), until=2.0, method=sr.Radau(), limits=sr.Limits(errors={"mass.x": 1e-18}))
     assert not run.success
     assert run.status == "error goal missed"
     assert run.message.startswith("the estimated error of final of mass.x is ")
@@ -69,7 +70,9 @@ def test_runs_are_not_repeated_with_tolerances_below_the_least_ones(monkeypatch:
     estimator = error_goal.estimator()
     monkeypatch.setattr(error_goal, "estimator", lambda: noted)
     system = sr.System(sr.load("slider_crank"))
-    run = sr.simulate(system, until=0.2, method=sr.HHT(), rtol=1e-12, error={"slider.x": 1e-13})
+    run = sr.simulate(
+        system, until=0.2, method=sr.HHT(rtol=1e-12), limits=sr.Limits(errors={"slider.x": 1e-13})
+    )
     assert run.status == "error goal missed"
     assert 1 < len(counts) < error_goal.REPEATS
     assert counts[-1] == counts[-2]
@@ -81,24 +84,24 @@ def test_runs_are_not_repeated_with_tolerances_below_the_least_ones(monkeypatch:
 )
 def test_wrong_goals(goal: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        sr.simulate(oscillator(), until=1.0, error={"mass.x": goal})
+        sr.simulate(oscillator(), until=1.0, limits=sr.Limits(errors={"mass.x": goal}))
 
 
 @pytest.mark.parametrize("goals", [1e-6, ["mass.x"], sr.Final("mass.x")], ids=str)
 def test_goals_without_responses_or_sizes_are_refused(goals: Any) -> None:
-    with pytest.raises(TypeError, match="error must be a mapping of responses"):
-        sr.simulate(oscillator(), until=1.0, error=goals)
+    with pytest.raises(TypeError, match="errors must be a mapping of responses"):
+        sr.simulate(oscillator(), until=1.0, limits=sr.Limits(errors=goals))
 
 
 @pytest.mark.parametrize(
     ("limit", "reason"),
     [
-        ({"time_limit": 60.0}, r"The time limit of 1 min 0 s has passed\. Choose"),
-        ({"max_steps": 60}, r"Smaller tolerances need too many steps\. Choose"),
+        (sr.Limits(time=60.0), r"The time limit of 1 min 0 s has passed\. Choose"),
+        (sr.Limits(steps=60), r"Smaller tolerances need too many steps\. Choose"),
     ],
 )
 def test_a_limit_that_ends_a_repeated_run_leaves_the_run_before(
-    limit: Any, reason: str, monkeypatch: pytest.MonkeyPatch
+    limit: sr.Limits, reason: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The message names the user's limit, not what is left of it."""
     estimator = error_goal.estimator()
@@ -107,9 +110,10 @@ def test_a_limit_that_ends_a_repeated_run_leaves_the_run_before(
         monkeypatch.setattr(error_goal.time, "monotonic", lambda: np.inf)
         return estimator(*given)
 
-    if "time_limit" in limit:
+    if limit.time:
         monkeypatch.setattr(error_goal, "estimator", lambda: late)
-    run = sr.simulate(oscillator(), until=2.0, rtol=1e-3, atol=1e-4, error={"mass.x": 1e-11}, **limit)
+    method, goal = sr.Radau(rtol=1e-3, atol=1e-4), replace(limit, errors={"mass.x": 1e-11})
+    run = sr.simulate(oscillator(), until=2.0, method=method, limits=goal)
     assert (run.status, run.t[-1]) == ("error goal missed", 2.0)
     assert re.fullmatch(
         rf"the estimated error of final of mass\.x is .*, not 1e-11\. {reason} .*\.", run.message
@@ -119,4 +123,4 @@ def test_a_limit_that_ends_a_repeated_run_leaves_the_run_before(
 
 def test_a_goal_and_a_folder_are_refused() -> None:
     with pytest.raises(ValueError, match=r"save: runs with an error goal are not saved.*Remove save=\."):
-        sr.simulate(oscillator(), until=2.0, error={"mass.x": 1e-6}, save="run.sarrus")
+        sr.simulate(oscillator(), until=2.0, limits=sr.Limits(errors={"mass.x": 1e-6}), save="run.sarrus")

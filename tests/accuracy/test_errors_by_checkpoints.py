@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -37,8 +38,8 @@ def test_errors_by_checkpoints(method: Any, events: str, monkeypatch: pytest.Mon
     """With the errors of samples, in several stretches."""
     monkeypatch.setattr(long_run, "FIRST", 60)
     system = double_pendulum()
-    given = {"method": method, "rtol": 1e-5, "events": EVENTS[events], "until": 2.0}
-    stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), RESPONSES, NAMES, error=True)
+    given = {"method": replace(method, rtol=1e-5), "events": EVENTS[events], "until": 2.0}
+    stored = sr.sensitivity(sr.simulate(system, store="steps", **given), RESPONSES, NAMES, error=True)
     found = by_checkpoints(system, RESPONSES, NAMES, error=True, **given)
     assert found.matrix == pytest.approx(stored.matrix, rel=1e-6)
     for one, other in zip(found.errors, stored.errors, strict=True):

@@ -31,7 +31,7 @@ def crank() -> tuple[sr.System, sr.Assembly]:
 
 
 CALLS: dict[str, tuple[Callable[..., Any], str]] = {
-    "simulate": (sr.simulate, "until rtol atol max_step first_step t_eval breakpoints events max_steps method strict"),
+    "simulate": (sr.simulate, "until t_eval events method store save limits"),
     "assemble": (sr.assemble, "q v t tolerance iterations restarts seed fixed rates metric"),
     "equilibrium": (sr.equilibrium, "q t iterations stable"),
     "mobility": (sr.mobility, "q t tolerance"),
@@ -51,7 +51,10 @@ def error_of(function: Callable[..., Any], *args: Any, **kwargs: Any) -> Excepti
 
 @pytest.mark.parametrize("name", CALLS)
 @pytest.mark.filterwarnings("ignore::sarrus.SarrusWarning")
-def test_hostile_arguments_are_refused_by_name(name: str, crank: tuple[sr.System, sr.Assembly]) -> None:
+def test_hostile_arguments_are_refused_by_name(
+    name: str, crank: tuple[sr.System, sr.Assembly], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # runs are saved in folders of these names
     system, start = crank
     function, names = CALLS[name]
     good: dict[str, Any] = (
@@ -61,6 +64,29 @@ def test_hostile_arguments_are_refused_by_name(name: str, crank: tuple[sr.System
     for argument in names.split():
         for value in HOSTILE:
             raised = error_of(function, system, **{**good, argument: value})
+            if raised is not None:
+                last = traceback.extract_tb(raised.__traceback__)[-1]
+                ours = "/sarrus/" in last.filename and (last.line or "").startswith("raise")
+                assert ours, (argument, value, raised, last)
+
+
+OPTIONS = {
+    sr.Radau: "rtol atol max_step first_step",
+    sr.HHT: "alpha step stabilized rtol",
+    sr.Limits: "time steps errors",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", OPTIONS)
+def test_hostile_options_are_refused_by_name(kind: type, crank: tuple[sr.System, sr.Assembly]) -> None:
+    option = "limits" if kind is sr.Limits else "method"
+
+    def simulated(**given: Any) -> None:
+        sr.simulate(*crank, until=0.001, **{option: kind(**given)})
+
+    for argument in OPTIONS[kind].split():
+        for value in HOSTILE:
+            raised = error_of(simulated, **{argument: value})
             if raised is not None:
                 last = traceback.extract_tb(raised.__traceback__)[-1]
                 ours = "/sarrus/" in last.filename and (last.line or "").startswith("raise")
@@ -121,7 +147,7 @@ WITH_LIMITS = {
 def test_a_time_limit_means_the_same_everywhere(value: Any) -> None:
     """In every public function, and in the monitor that all of them share."""
     good = {"until": 1.0, "times": [0.0], "path": "run", "parameters": {}, "inputs": ["crank"]}
-    assert {"simulate", "kinematics", "workspace", "study", "optimize", "hessian"} <= WITH_LIMITS.keys()
+    assert {"kinematics", "workspace", "study", "optimize", "hessian"} <= WITH_LIMITS.keys()
     for name, limit in WITH_LIMITS.items():
         function = getattr(sr, name)
         needed = [

@@ -45,8 +45,8 @@ def test_an_angular_velocity_that_contradicts_the_joint_is_reported_with_both_va
     assert "Correct the model" in start.warnings[0]
     with pytest.warns(sr.SarrusWarning, match="angular velocity"):
         assert sr.simulate(system, until=0.01).warnings == start.warnings
-    with pytest.raises(sr.StrictError, match="angular velocity"):
-        sr.assemble(system, strict=True)
+    with pytest.raises(sr.StrictError, match="angular velocity"), sr.strict():
+        sr.assemble(system)
 
 
 def test_a_consistent_velocity_and_one_rounded_to_four_digits_are_not_reported() -> None:
@@ -88,7 +88,7 @@ def test_gradients_by_given_velocities_of_one_body() -> None:
     for given, rate in (({"velocity": (0, 3.0, 0)}, 2.0), ({"angular_velocity": (0, 0, 6.0)}, 1.0)):
         link = sr.Body("crank", 1.0, (1.0, 1.0, 1.0), (0.5, 0.0, 0.0), **given)
         pin = sr.Revolute("pin", sr.ground, link, point=(0, 0, 0), axis=Z)
-        run = sr.simulate(sr.System(sr.Model("arm", [link], [pin])), until=0.5, store_steps=True)
+        run = sr.simulate(sr.System(sr.Model("arm", [link], [pin])), until=0.5, store="steps")
         assert run["pin.angle"][-1] == pytest.approx(3.0, rel=1e-9)
         names = [f"crank.{next(iter(given))}.{axis}" for axis in "xyz"]
         found = sr.sensitivity(run, "pin.angle", names).matrix[0]
@@ -184,5 +184,5 @@ def test_searches_and_studies_report_what_is_changed_of_the_models_own_state() -
     with pytest.warns(sr.SarrusWarning, match="angular velocity"):
         table = sr.study(system, given, "final(crank.x)", analysis=sr.Simulation(0.01), workers=1)
     assert table.warnings == expected
-    with pytest.raises(sr.StrictError, match="angular velocity"):
-        sr.study(system, given, "final(crank.x)", analysis=sr.Simulation(0.01), workers=1, strict=True)
+    with pytest.raises(sr.StrictError, match="angular velocity"), sr.strict():
+        sr.study(system, given, "final(crank.x)", analysis=sr.Simulation(0.01), workers=1)

@@ -63,6 +63,6 @@ def test_pivots_of_another_state_are_chosen_anew() -> None:
     half = start.q.copy()
     half[3:7] = 0, 0, 0, 1
     for q in (start.q, half, start.q):
-        state = sampler.state(0.0, q.copy(), start.v, np.zeros(0))
+        state = sampler.state_at(0.0, q.copy(), start.v, np.zeros(0))
         assert np.isfinite(state.a).all()
         assert np.isfinite(state.lam).all()

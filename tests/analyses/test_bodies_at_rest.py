@@ -47,7 +47,7 @@ def against(system: sr.System) -> np.ndarray:
 def settled(system: sr.System, v: np.ndarray) -> Samples:
     """One state made consistent, which must be possible."""
     sampler = Sampler(system, Independence(system, system.q0), system.b)
-    found = sampler.state(0.0, system.q0, v, np.zeros(0))
+    found = sampler.state_at(0.0, system.q0, v, np.zeros(0))
     assert not np.isinf(found.growth).any()
     return found
 

@@ -10,9 +10,8 @@ import sarrus as sr
 
 KINDS: dict[str, dict[str, Any]] = {
     "plain": {},
-    "stored": {"store_steps": True},
-    "dense": {"dense_output": True},
-    "without corners": {"store_steps": True, "corners": False},
+    "stored": {"store": "steps"},
+    "dense": {"store": "dense"},
 }
 PUSH = {"coasting": 0.0, "pushed": 1.0, "falling": 9.81}
 

@@ -7,7 +7,7 @@ from tests.outputs.every_kind import system as every_kind
 import sarrus as sr
 from sarrus.euler import A, E
 
-PRECISE = {"rtol": 1e-10, "atol": 1e-12, "method": sr.Radau(), "store_steps": True}
+PRECISE = {"method": sr.Radau(rtol=1e-10, atol=1e-12), "store": "steps"}
 X, Z = (1, 0, 0), (0, 0, 1)
 
 

@@ -2,6 +2,7 @@
 
 import pickle
 import runpy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,8 @@ from sarrus.analyses.equations.length import kinematic_weights
 from sarrus.analyses.sensitivity.steps.record import STEP, Record
 
 OWN = {  # methods of users, in scripts of the gallery
-    name: runpy.run_path(str(FOLDER / f"{name}.py"))["METHOD"] for name in ("implicit_midpoint", "bdf2")
+    name: sr.DescribedMethod(runpy.run_path(str(FOLDER / f"{name}.py"))["METHOD"])
+    for name in ("implicit_midpoint", "bdf2")
 }
 METHODS = {
     "HHT": sr.HHT(),
@@ -30,8 +32,16 @@ METHODS = {
 
 
 def run(method: Any) -> sr.Trajectory:
-    settings = {"rtol": 1e-5, "atol": 1e-7, "store_steps": True}
-    return solved(sr.simulate(slider_crank(), until=0.5, t_eval=[0.5], method=method, **settings), method)
+    return solved(
+        sr.simulate(
+            slider_crank(),
+            until=0.5,
+            t_eval=[0.5],
+            method=replace(method, rtol=1e-5, atol=1e-7),
+            store="steps",
+        ),
+        method,
+    )
 
 
 def residuals(

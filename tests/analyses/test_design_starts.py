@@ -16,7 +16,7 @@ from sarrus.model.written import with_numbers
 from sarrus.studies import Range, Simulation, study, uncertainty
 
 G, MASS, INERTIA = 9.81, 2.0, 0.1
-TIGHT: dict[str, Any] = {"rtol": 1e-9, "atol": 1e-11, "method": sr.Radau()}
+TIGHT: dict[str, Any] = {"method": sr.Radau(rtol=1e-9, atol=1e-11)}
 RATES = {"rates": {"pin": 3.0}}
 RATE = "rod.angular_velocity.y"
 

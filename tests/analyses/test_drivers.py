@@ -45,7 +45,7 @@ def place(t: float) -> float:
 @cache
 def run() -> sr.Trajectory:
     return sr.simulate(
-        slider_crank(), until=2.0, t_eval=np.linspace(0, 2, 81), rtol=1e-9, atol=1e-11, method=sr.ODE()
+        slider_crank(), until=2.0, t_eval=np.linspace(0, 2, 81), method=sr.ODE(rtol=1e-9, atol=1e-11)
     )
 
 
@@ -113,7 +113,7 @@ def gears(ratio: float) -> sr.System:
 
 def test_gears_of_no_whole_ratio_count_their_turns() -> None:
     run = sr.simulate(
-        gears(-2.3), until=3.0, t_eval=np.linspace(0, 3, 61), rtol=1e-8, atol=1e-10, method=sr.ODE()
+        gears(-2.3), until=3.0, t_eval=np.linspace(0, 3, 61), method=sr.ODE(rtol=1e-8, atol=1e-10)
     )
     turned = 3 * run.t + 5 * run.t**2
     assert run.success
@@ -128,7 +128,7 @@ def test_a_driven_screw_moves_over_many_turns() -> None:
     system = sr.System(
         sr.Model("screw", [body], [thread], drivers=[sr.AngleDriver("motor", "thread", "20*t")])
     )
-    run = sr.simulate(system, until=2.0, t_eval=np.linspace(0, 2, 41), rtol=1e-8, atol=1e-10, method=sr.ODE())
+    run = sr.simulate(system, until=2.0, t_eval=np.linspace(0, 2, 41), method=sr.ODE(rtol=1e-8, atol=1e-10))
     assert run.success
     assert np.allclose(run.joint("thread").angle, 20 * run.t, atol=1e-10)
     assert np.allclose(run.joint("thread").displacement, 0.05 / (2 * np.pi) * 20 * run.t, atol=1e-11)
@@ -142,7 +142,7 @@ def test_a_point_follows_a_path_and_a_length_its_formula() -> None:
         sr.CoordinateDriver(f"level {name}".replace(" ", "_"), body, name, 0.0) for name in ("e1", "e2", "e3")
     ]
     system = sr.System(sr.Model("tool", [body], drivers=[hold, lift, *level]))
-    run = sr.simulate(system, until=1.0, t_eval=np.linspace(0, 1, 11), rtol=1e-8, atol=1e-10, method=sr.ODE())
+    run = sr.simulate(system, until=1.0, t_eval=np.linspace(0, 1, 11), method=sr.ODE(rtol=1e-8, atol=1e-10))
     assert run.success
     x, y, z = run["tool"].position.T
     assert np.allclose(x, np.cos(2 * run.t), atol=1e-11)

@@ -18,7 +18,7 @@ from sarrus.functions import exp, sin, tanh
 from sarrus.system.curves.curve_potentials import curve_potentials
 
 T = np.linspace(0.0, 1.0, 11)
-PRECISE = {"rtol": 1e-10, "atol": 1e-12, "method": sr.Radau()}
+PRECISE = {"method": sr.Radau(rtol=1e-10, atol=1e-12)}
 
 
 def driven() -> sr.System:
@@ -66,7 +66,7 @@ def test_every_method_records_them(method: object, tmp_path: Path) -> None:
     spring = sr.TSDA("spring", sr.ground.point(0, 0, 0), body.point(0, 0, 0), k=50.0, length=1.0)
     system = sr.System(sr.Model("hung", [body], forces=[spring], gravity=(0, 0, -9.81)))
     run = sr.simulate(
-        system, until=1.0, t_eval=T, method=method, save=tmp_path / "run", rtol=1e-8, atol=1e-10
+        system, until=1.0, t_eval=T, method=replace(method, rtol=1e-8, atol=1e-10), save=tmp_path / "run"
     )
     for one in (run, sr.load_run(tmp_path / "run", system)):
         z, rate = one["mass"].position[:, 2], one["mass"].velocity[:, 2]
@@ -74,9 +74,8 @@ def test_every_method_records_them(method: object, tmp_path: Path) -> None:
         assert one.potential_energy == pytest.approx(2 * 9.81 * z + 25.0 * (-z - 1) ** 2, rel=1e-12)
 
 
-OF_RUNS: dict[str, dict[str, bool]] = {
-    "plain": {}, "stored": {"store_steps": True}, "dense": {"dense_output": True},
-    "without corners": {"corners": False},
+OF_RUNS: dict[str, dict[str, object]] = {
+    "plain": {}, "stored": {"store": "steps"}, "dense": {"store": "dense"},
 }  # fmt: skip
 LAWS = {  # a stiffness over the length or angle
     "table": [[-8.0, 40.0], [-4.0, 45.0], [0.0, 48.0], [1.0, 50.0], [1.5, 56.0], [4.0, 60.0], [8.0, 70.0]],
@@ -111,7 +110,7 @@ def sprung(name: str, mass: float = 2.0, free: float = 1.0) -> sr.System:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_springs_with_laws_keep_energy(name: str) -> None:
-    run = sr.simulate(sprung(name), until=1.0, store_steps=True, **PRECISE)
+    run = sr.simulate(sprung(name), until=1.0, store="steps", **PRECISE)
     angle = run.joint("pin").angle
     assert abs(angle).max() > (2.5 if name == "formula" else 5.0)
     assert run.total_energy == pytest.approx(run.total_energy[0], abs=1e-7 * run.kinetic_energy.max())
@@ -130,7 +129,7 @@ def test_springs_with_laws_keep_energy(name: str) -> None:
 def test_derivatives_of_the_energy_of_springs_with_laws(name: str) -> None:
     """The energy is conserved: its derivatives are those of the initial one, the second as well."""
     system = sprung(name)
-    run = sr.simulate(system, until=0.5, store_steps=True, **PRECISE)
+    run = sr.simulate(system, until=0.5, store="steps", **PRECISE)
     names = ["spring.length", "mass.position.z", "coil.angle"]
     found = sr.sensitivity(run, "energy.total", names).matrix[0]
 
@@ -227,7 +226,7 @@ def test_a_detent_that_is_passed_in_an_instant_keeps_the_energy(tmp_path: Path) 
     law = np.array([x, 40 + 2e6 * np.exp(-(((x - PLACE) / 1e-4) ** 2))]).T.tolist()
     spring = sr.TSDA("spring", sr.ground.point(0, 0, 0), body.point(0, 0, 0), k=law, length=1.0)
     system = sr.System(sr.Model("detent", [body], [slide], [spring]))
-    whole = sr.simulate(system, until=0.4, store_steps=True)
+    whole = sr.simulate(system, until=0.4, store="steps")
     run = sr.simulate(system, until=0.4, save=tmp_path / "run")
     for one in (whole, run, sr.load_run(tmp_path / "run", system)):
         assert one.warnings == ()
@@ -280,7 +279,7 @@ def test_energy_that_a_contact_makes_or_swallows_is_a_warning(
         take(self, nodes._replace(v=v))
 
     monkeypatch.setattr(EnergyCheck, "take", wrong)
-    with pytest.warns(sr.SarrusWarning, match=f"coast: the total energy {how}.* near t = 2.[6-9]"):
+    with pytest.warns(sr.SarrusWarning, match=f"coast: the total energy {how}.* near t = [23][.]"):
         sr.simulate(system, until=4.0, **more, **OF_RUNS[kind])
 
 

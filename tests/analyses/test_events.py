@@ -1,5 +1,6 @@
 """Events, breakpoints, dense output and consistent states, against closed solutions."""
 
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -28,7 +29,7 @@ def pendulum() -> sr.System:
 @pytest.mark.parametrize("method", METHODS, ids=lambda m: type(m).__name__)
 def test_a_fall_ends_at_the_floor(method: object) -> None:
     floor = sr.Event("ball.z", direction=-1, terminal=True)
-    run = sr.simulate(ball(), until=3.0, events=floor, method=method, rtol=1e-9, atol=1e-11)
+    run = sr.simulate(ball(), until=3.0, events=floor, method=replace(method, rtol=1e-9, atol=1e-11))
     assert run.success
     assert run.status == "event"
     assert run.events[0].t == pytest.approx(np.sqrt(2 / G), abs=1e-12)
@@ -56,7 +57,7 @@ def test_a_ball_bounces() -> None:
     """Heights and times of impacts fall geometrically with the restitution."""
     e = 0.8
     floor = sr.Event("ball.z", direction=-1, reset=sr.Impact(e))
-    run = sr.simulate(ball(), until=3.0, events=floor, t_eval=np.linspace(0, 3, 301), dense_output=True)
+    run = sr.simulate(ball(), until=3.0, events=floor, t_eval=np.linspace(0, 3, 301), store="dense")
     assert run.success, run.message
     fall = np.sqrt(2 / G)
     times = fall + 2 * fall * np.cumsum([0, *(e ** np.arange(1, 20))])
@@ -72,7 +73,7 @@ def test_a_ball_bounces() -> None:
 def test_an_impact_on_a_pendulum_keeps_the_energy_and_the_pin() -> None:
     """It hits a wall below the pin with restitution 1: the angle's rate is reversed, the pin takes its share."""
     wall = sr.Event("rod.x", direction=-1, reset=sr.Impact(1.0), name="wall")
-    run = sr.simulate(pendulum(), until=2.0, events=wall, rtol=1e-8, atol=1e-10)
+    run = sr.simulate(pendulum(), until=2.0, events=wall, method=sr.Radau(rtol=1e-8, atol=1e-10))
     assert run.success, run.message
     hit = run.events[0]
     assert np.allclose(hit.after, -hit.v, atol=1e-9)
@@ -137,7 +138,7 @@ def test_an_impact_along_an_angle_counts_its_turns() -> None:
     pin = sr.Revolute("pin", sr.ground, rotor, point=(0, 0, 0), axis=(0, 0, 1))
     system = sr.System(sr.Model("struck", bodies=[rotor, mass], joints=[pin]))
     hit = sr.Event("t - 2.5", reset=sr.Impact(1.0, along="0.5*pin.angle^2 + mass.x"))
-    run = sr.simulate(system, until=2.6, events=hit, method=sr.ODE(), rtol=1e-10, atol=1e-12)
+    run = sr.simulate(system, until=2.6, events=hit, method=sr.ODE(rtol=1e-10, atol=1e-12))
     rate, speed = run.joint("pin").rate[-1], run["mass"].velocity[-1, 0]
     impulse = (rate - 2) / 5.0
     assert speed - 3 == pytest.approx(impulse, rel=1e-6)
@@ -147,7 +148,7 @@ def test_an_impact_along_an_angle_counts_its_turns() -> None:
 def test_a_ball_bounces_on_a_plate_that_moves() -> None:
     """The rate that is reversed is that of the distance from the plate, 0.1 sin 9t."""
     plate = sr.Event("ball.z - 0.1*sin(9*t)", direction=-1, reset=sr.Impact(0.8))
-    run = sr.simulate(ball(), until=1.5, events=plate, rtol=1e-10, atol=1e-12)
+    run = sr.simulate(ball(), until=1.5, events=plate, method=sr.Radau(rtol=1e-10, atol=1e-12))
 
     def flown(x: float, t: float, z: float, speed: float) -> float:
         return z + (x - t) * (speed - G / 2 * (x - t))
@@ -193,10 +194,10 @@ def test_an_unknown_output_is_named() -> None:
 def test_the_motion_is_known_at_any_time(method: object) -> None:
     system = slider_crank()
     run = sr.simulate(
-        system, until=2.0, t_eval=[0.0, 2.0], method=method, rtol=1e-9, atol=1e-11, dense_output=True
+        system, until=2.0, t_eval=[0.0, 2.0], method=replace(method, rtol=1e-9, atol=1e-11), store="dense"
     )
     exact = sr.simulate(
-        system, until=2.0, t_eval=np.linspace(0, 2, 37), method=sr.ODE(), rtol=1e-12, atol=1e-13
+        system, until=2.0, t_eval=np.linspace(0, 2, 37), method=sr.ODE(rtol=1e-12, atol=1e-13)
     )
     state = run.sol(exact.t[::-1])
     assert np.allclose(state.q, exact.q[::-1], atol=1e-5)
@@ -232,31 +233,31 @@ def pushed() -> sr.System:
 @pytest.mark.filterwarnings("ignore:push. its table ends at 0.25 and 0.75")
 @pytest.mark.parametrize("method", METHODS, ids=lambda m: type(m).__name__)
 def test_points_of_tables_and_breakpoints_are_hit(method: object) -> None:
-    run = sr.simulate(ball(), until=1.0, breakpoints=[0.123, 0.77], method=method)
+    run = sr.simulate(ball(), until=1.0, events=[0.123, 0.77], method=method)
     for jump in (0.123, 0.77):  # a step ends 1e-14 before it, so that no stage is on its other side
         assert 0 < (jump - run.history[:, 0])[run.history[:, 0] <= jump].min() < 3e-14
     run = sr.simulate(pushed(), until=1.0, method=method)
     assert {0.25, 0.3, 0.5, 0.75} <= set(run.history[:, 0])
-    with pytest.raises(ValueError, match="breakpoints must be"):
-        sr.simulate(ball(), until=1.0, breakpoints=[np.nan])
+    with pytest.raises(ValueError, match="a breakpoint among events must be"):
+        sr.simulate(ball(), until=1.0, events=[np.nan])
 
 
 def test_tolerances_by_kind_and_by_coordinate() -> None:
     system = slider_crank()
     loose = {"position": 1e-4, "orientation": 1e-4}
     runs = [
-        sr.simulate(system, until=1.0, rtol=1e-4, atol=atol)
+        sr.simulate(system, until=1.0, method=sr.Radau(rtol=1e-4, atol=atol))
         for atol in (1e-4, loose, np.full(system.nq, 1e-4), {**loose, "velocity": 1e-5})
     ]
     assert runs[0].nsteps == runs[1].nsteps == runs[2].nsteps < runs[3].nsteps
     with pytest.raises(ValueError, match="by kind needs"):
-        sr.simulate(system, until=1.0, atol={"speed": 1e-3})
+        sr.simulate(system, until=1.0, method=sr.Radau(atol={"speed": 1e-3}))
     with pytest.raises(ValueError, match="21 numbers, one for each coordinate"):
-        sr.simulate(system, until=1.0, atol=[1e-3, 1e-4])
+        sr.simulate(system, until=1.0, method=sr.Radau(atol=[1e-3, 1e-4]))
 
 
 def test_first_and_longest_steps() -> None:
-    run = sr.simulate(ball(), until=1.0, first_step=0.003, max_step=0.02)
+    run = sr.simulate(ball(), until=1.0, method=sr.Radau(first_step=0.003, max_step=0.02))
     assert run.history[0, 1] == pytest.approx(0.003)
     assert run.history[:, 1].max() <= 0.02 * (1 + 1e-12)
 
@@ -313,7 +314,7 @@ def test_an_impact_where_a_parallelogram_lies_flat_ends_with_a_status() -> None:
     system = sr.System(sr.Model("parallelogram", [one, coupler, other], pins))
     flat = sr.Event("one.y", reset=sr.Impact(0.5, along="pin_0.angle"), name="flat")
     run = sr.simulate(
-        system, until=1.2, t_eval=[1.2], events=flat, method=sr.HHT(step=1e-3), rtol=1e-6, atol=1e-8
+        system, until=1.2, t_eval=[1.2], events=flat, method=sr.HHT(step=1e-3, rtol=1e-6, atol=1e-8)
     )
     assert run.events[0].name == "flat"
     assert run.success or "singular" in run.message
@@ -361,7 +362,7 @@ def test_a_zero_at_the_end_of_the_run_is_a_crossing(terminal: bool) -> None:
 @pytest.mark.parametrize("store", [False, True])
 def test_a_reset_at_the_end_of_the_run_ends_it(store: bool) -> None:
     stop = sr.Event("t - 1", reset=lambda t, q, v: 0 * v, name="stop")
-    run = sr.simulate(ball(), until=1.0, events=stop, store_steps=store)
+    run = sr.simulate(ball(), until=1.0, events=stop, store="steps" if store else "samples")
     assert (run.status, run.message) == ("event", "ended by the event stop at t = 1 s")
     assert run.final.v[2] == run["ball.velocity.z"][-1] == pytest.approx(-G)
     assert run.events[0].after[2] == 0
@@ -369,7 +370,7 @@ def test_a_reset_at_the_end_of_the_run_ends_it(store: bool) -> None:
 
 def test_a_zero_at_a_breakpoint_is_a_crossing() -> None:
     for function in ("t - 0.5", "0.5 - t"):
-        run = sr.simulate(ball(), until=1.0, events=sr.Event(function), breakpoints=[0.5])
+        run = sr.simulate(ball(), until=1.0, events=[0.5, sr.Event(function)])
         assert [event.t for event in run.events] == [pytest.approx(0.5, abs=1e-12)]
 
 
@@ -380,3 +381,12 @@ def test_an_impact_along_a_relative_output_is_refused_with_what_it_takes() -> No
         sr.SarrusError, match=r"takes coordinates of bodies.*not 'relative\[b, a\]\.z'.*'b\.z - a\.z'"
     ):
         sr.simulate(sr.System(sr.Model("m", [a, b], [])), until=0.2, events=[event])
+
+
+def test_two_events_with_one_name_are_refused() -> None:
+    ball = sr.Body("ball", 1.0, (1, 1, 1), position=(0, 0, 1))
+    events = [sr.Event("ball.z - 0.1", name="bounce"), sr.Event("ball.z - 0.2", name="bounce")]
+    with pytest.raises(
+        sr.ModelError, match=r'events: two are named "bounce". Give each of them its own name='
+    ):
+        sr.simulate(sr.System(sr.Model("ball", [ball])), until=0.1, events=events)

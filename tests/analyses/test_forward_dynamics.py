@@ -74,7 +74,7 @@ def moved_to(
     system: sr.System, plant: sr.StateSpace, name: str, change: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """The state whose coordinate and rate have changed, by Newton's method."""
-    of, q, none = of_names(system, [name]), plant.q + plant.q_x @ change, np.zeros(system.nq)
+    of, q, none = of_names(system, (name,)), plant.q + plant.q_x @ change, np.zeros(system.nq)
     for _ in range(6):
         rows = np.vstack([system.Phi_q(q).toarray(), of.gradients(q)])
         gap = np.concatenate([system.Phi(q), of.values(q, none)[0] - plant.x0[0] - change[0]])

@@ -105,7 +105,7 @@ class Moved:
     def __init__(
         self, system: sr.System, names: list[str], q: np.ndarray, v: np.ndarray, start: Any = None
     ) -> None:
-        self._system, self._of, self._q, self._v = system, of_names(system, names), q, v
+        self._system, self._of, self._q, self._v = system, of_names(system, tuple(names)), q, v
         self._own, self.start = np.eye(system.nq)[places(system)], start or self._of.values(q, v)
 
     def __call__(self, c: np.ndarray, rates: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -168,7 +168,7 @@ def test_by_parameters_in_independent_coordinates(coordinate: str) -> None:
     start = sr.assemble(system, rates={"pin": 2.0})
     v = start.v.copy()
     v[system.states["motor.current"].place] = 0.4
-    matrices, here = system.forward_dynamics.in_coordinates(names, PARAMETERS), of_names(system, names)
+    matrices, here = system.forward_dynamics.in_coordinates(names, PARAMETERS), of_names(system, tuple(names))
     values, weights = here.values(start.q, v), np.cos(np.arange(3))
 
     def gradient(other: sr.System) -> np.ndarray:

@@ -14,7 +14,7 @@ import sarrus as sr
     [
         (float("nan"), ValueError, "rates: pin must be a finite number, but is nan"),
         (float("inf"), ValueError, "rates: pin must be a finite number, but is inf"),
-        ("50 rpm", TypeError, "rates: pin must be a number, got the text '50 rpm'"),
+        ("50 kg", sr.ModelError, 'rates: pin must be in rad/s, or another unit of that kind, got "50 kg"'),
         ([1.0], TypeError, "rates: pin must be a number"),
     ],
 )

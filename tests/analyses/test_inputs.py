@@ -75,7 +75,7 @@ def test_derivatives_by_an_amplitude_of_zero(speed: float) -> None:
     """Nothing in the motion shows how the load would vary: x_A = t/ω - sin(ωt)/ω² over the mass."""
     ball = sr.Body("ball", 2.0, (1, 1, 1), velocity=(speed, 0, 0))
     load = sr.PointForce("load", ball.point(0, 0, 0), ("0*sin(20*t)", 0, 0))
-    run = sr.simulate(sr.System(sr.Model("pushed", [ball], forces=[load])), until=2.3, store_steps=True)
+    run = sr.simulate(sr.System(sr.Model("pushed", [ball], forces=[load])), until=2.3, store="steps")
     found = sr.sensitivity(run, sr.Final("ball.x"), "load.force.x.1").matrix
     assert found == pytest.approx((2.3 / 20 - np.sin(20 * 2.3) / 400) / 2, rel=3e-3)
 
@@ -120,7 +120,7 @@ def test_derivatives_by_a_height_of_zero_of_the_users_own_force() -> None:
     """A pulse of 10 ms has the momentum 0.005 s times its height; steps suit the motion, which does not show it."""
     body = mass()
     kick = Kicker("kick", body.point(0, 0, 0), 0.0, 2.0)
-    run = sr.simulate(sr.System(sr.Model("m", [body], forces=[kick])), until=5.0, store_steps=True)
+    run = sr.simulate(sr.System(sr.Model("m", [body], forces=[kick])), until=5.0, store="steps")
     found = sr.sensitivity(run, sr.Final("mass.velocity.x"), "kick.height").matrix
     assert found == pytest.approx(0.005, rel=3e-3)
 

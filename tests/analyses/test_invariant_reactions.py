@@ -97,7 +97,10 @@ def on_bodies(of: object, way: Written, n: int | None) -> np.ndarray:
 def simulated(way: Written) -> np.ndarray:
     """At the start, and after drawer and door have moved by themselves."""
     run = sr.simulate(
-        cupboard(way), until=0.2 * way.second, t_eval=[0, 0.2 * way.second], rtol=1e-9, atol=1e-11
+        cupboard(way),
+        until=0.2 * way.second,
+        t_eval=[0, 0.2 * way.second],
+        method=sr.Radau(rtol=1e-9, atol=1e-11),
     )
     assert run.success, run.message
     return np.array([on_bodies(run, way, n) for n in (0, -1)])

@@ -61,7 +61,7 @@ def test_power_of_the_driver_is_the_change_of_energy() -> None:
 
 def test_reactions_balance_every_body() -> None:
     """Forces and torques of all joints on the rod and its weight give it its acceleration."""
-    run = sr.simulate(slider_crank(), until=1.0, t_eval=[0.3, 1.0], rtol=1e-8, atol=1e-10, method=sr.ODE())
+    run = sr.simulate(slider_crank(), until=1.0, t_eval=[0.3, 1.0], method=sr.ODE(rtol=1e-8, atol=1e-10))
     ball, cross, rod = run.reaction("ball"), run.reaction("cross"), run["rod"]
     force = ball.force - cross.force  # the rod is body j of the ball, body i of the cross
     assert np.allclose(run.a[:, 7:10], force + [0, 0, -9.81], atol=1e-9)
@@ -94,9 +94,7 @@ def test_a_joint_on_the_ground_as_second_body() -> None:
                 sr.assemble(system, v=system.v0),
                 until=0.2,
                 t_eval=[0.2],
-                rtol=1e-8,
-                atol=1e-10,
-                method=sr.ODE(),
+                method=sr.ODE(rtol=1e-8, atol=1e-10),
             ).reaction("pin")
         )
     assert np.allclose(pair[0].force, -pair[1].force, atol=1e-9)

@@ -8,12 +8,12 @@ import pytest
 
 import sarrus as sr
 from sarrus.analyses.dynamics.dense_output import sampler
-from sarrus.analyses.dynamics.time_loop import time_loop
+from sarrus.analyses.dynamics.time_loop import recording, time_loop
 from sarrus.functions import sqrt
 
 G = 9.81
 FLOOR = sr.Event("ball.z", direction=-1, terminal=True, name="floor")
-STORES = [{}, {"store_steps": True}, {"dense_output": True}]
+STORES = [{}, {"store": "steps"}, {"store": "dense"}]
 
 
 def falling(*forces: sr.Force) -> sr.System:
@@ -38,9 +38,7 @@ def ends_in_its_last_state(run: sr.Trajectory) -> None:
 
 @pytest.mark.parametrize("times", [None, [0.0, 1.0, 2.0], [0.0, 0.1], [1.0], [np.sqrt(2 / G)]])
 @pytest.mark.parametrize("store", STORES, ids=str)
-def test_an_event_that_ends_the_run(
-    times: list[float] | None, store: dict[str, bool], tmp_path: Path
-) -> None:
+def test_an_event_that_ends_the_run(times: list[float] | None, store: dict[str, str], tmp_path: Path) -> None:
     run = sr.simulate(falling(), until=2.0, events=FLOOR, t_eval=times, **store)
     plot, path = run.plot("ball.z").lines[0].get_xydata(), tmp_path / "ball.csv"
     run.to_csv(path, "ball.z")
@@ -58,7 +56,13 @@ def test_a_force_that_fails_and_a_step_limit() -> None:
     root = sr.PointForce("thrust", BALL.point(0, 0, 0), (lambda t: 1e-15 * sqrt(0.5 - t), 0, 0))
     for run in (
         sr.simulate(falling(root), until=2.0, t_eval=[0.0, 2.0]),
-        sr.simulate(falling(), until=2.0, t_eval=[0.0, 2.0], max_step=0.01, max_steps=20),
+        sr.simulate(
+            falling(),
+            until=2.0,
+            t_eval=[0.0, 2.0],
+            method=sr.Radau(max_step=0.01),
+            limits=sr.Limits(steps=20),
+        ),
     ):
         assert not run.success
         assert run.t[-1] > 0.1
@@ -81,8 +85,8 @@ def test_interrupted_runs_in_memory_and_in_a_folder(
     stop: Callable[[float], None], times: list[float] | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name, value in (("PAUSE", 0.0), ("PATIENT", 0.0), ("WATCHED", 1), ("CHUNK", 1)):
-        monkeypatch.setattr(time_loop, name, value)
-    given = {"until": 1.0, "max_step": 0.0137, "t_eval": times, "events": FLOOR}
+        monkeypatch.setattr(time_loop if name in ("WATCHED", "CHUNK") else recording, name, value)
+    given = {"until": 1.0, "method": sr.Radau(max_step=0.0137), "t_eval": times, "events": FLOOR}
     ends_in_its_last_state(sr.simulate(falling(), progress=stop, **given))
     cut = sr.simulate(falling(), progress=stop, save=tmp_path / "run", **given)
     again = sr.resume(tmp_path / "run", progress=stop)  # to its first step
@@ -109,7 +113,7 @@ def test_runs_that_are_stopped_while_outputs_are_computed(
 ) -> None:
     """The outputs of the steps so far are those of the whole run; a run in a folder goes on to the same bits."""
     monkeypatch.setattr(sampler, "PORTION", 7)
-    given = {"until": 0.4, "t_eval": np.linspace(0, 0.4, 401), "events": events, "store_steps": True}
+    given = {"until": 0.4, "t_eval": np.linspace(0, 0.4, 401), "events": events, "store": "steps"}
     whole, cut = sr.simulate(falling(), **given), sr.simulate(falling(), progress=stop, **given)
     assert cut.status in ("stopped", "time limit")
     assert len(cut.t) > 300

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -317,3 +318,16 @@ def test_wrong_names_are_refused() -> None:
     plant = sr.linearize(system, *at, outputs=["cart.x"])
     with pytest.raises(sr.SarrusError, match="0 Hz is a pole of the linearization"):
         plant[f"magnitude[cart.x, {plant.inputs[0]}, 0]"]
+
+
+@pytest.mark.parametrize("analysis", [sr.linearize, sr.modes])
+def test_states_off_the_constraints_are_refused(analysis: Any) -> None:
+    cart = sr.Body("cart", 1.0, (1, 1, 1), position=(0.1, 0, 0))
+    rail = sr.Prismatic("rail", sr.ground, cart, point=(0.1, 0, 0), axis=(1, 0, 0))
+    system = sr.System(sr.Model("cart", [cart], [rail]))
+    q, v = system.q0 + np.array([0, 0, 1e-3, 0, 0, 0, 0]), np.array([0, 0, 1.0, 0, 0, 0, 0])
+    for state in ({"q": q}, {"q": system.q0, "v": v}):
+        with pytest.raises(
+            sr.ModelError, match=r"at t = 0 s the given state violates the constraints rail: .* Pass"
+        ):
+            analysis(system, **state)

@@ -106,7 +106,7 @@ def test_simulated_decay() -> None:
     assert s.real < 0 < s.imag
     start = sr.assemble(system, rest.q + little * shape.real, little * (s * shape).real)
     t = np.linspace(0.0, 8.0, 41)
-    run = sr.simulate(system, start, until=8.0, t_eval=t, rtol=1e-11, atol=1e-14, method=sr.ODE())
+    run = sr.simulate(system, start, until=8.0, t_eval=t, method=sr.ODE(rtol=1e-11, atol=1e-14))
     want = little * (shape[:, None] * np.exp(s * t)).real.T
     assert abs(run.q - rest.q - want).max() < 5 * little**2
     assert abs(want[-1]).max() < 0.7 * little
@@ -198,8 +198,8 @@ def test_no_equilibrium_is_told() -> None:
     assert not found.success
     assert "is in no equilibrium there" in found.message
     assert any(found.message in one for one in found.warnings)
-    with pytest.raises(sr.StrictError, match="is in no equilibrium there"):
-        sr.modes(system, system.q0, strict=True)
+    with pytest.raises(sr.StrictError, match="is in no equilibrium there"), sr.strict():
+        sr.modes(system, system.q0)
 
 
 def test_unknown_body() -> None:

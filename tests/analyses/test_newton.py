@@ -116,11 +116,11 @@ def stabilized_steps(without: str = "") -> list[float]:
 
 
 def midpoint_steps(without: str = "") -> list[float]:
-    return described_steps(OWN["implicit_midpoint"], without)
+    return described_steps(OWN["implicit_midpoint"].description, without)
 
 
 def bdf2_steps(without: str = "") -> list[float]:
-    return described_steps(OWN["bdf2"], without)
+    return described_steps(OWN["bdf2"].description, without)
 
 
 def alpha_steps(without: str = "") -> list[float]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.analyses.test_descriptions import OWN
+from tests.prescribed_steps import run_of
 from tests.sensitivity.frozen import solved
 from tests.system.mechanisms import slider_crank
 
@@ -20,7 +21,7 @@ from sarrus.analyses.dynamics.methods.leading_error import leading_errors
 from sarrus.analyses.dynamics.stepping.stepper import Settings
 from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 
-MIDPOINT, BDF2 = OWN.values()
+MIDPOINT, BDF2 = (method.description for method in OWN.values())
 K, C, MASS = 40.0, 0.6, 2.0
 A = np.array([[0.0, 1.0], [-K / MASS, -C / MASS]])  # of (x, x')
 every = pytest.mark.parametrize("method", OWN.values(), ids=OWN)
@@ -42,8 +43,15 @@ def pendulum() -> sr.System:
 def prescribed(system: sr.System, method: Any, h: Any) -> Any:
     """The steps of a run with steps of these lengths."""
     ends = np.array([0.0, np.sum(h)])
-    run = differentiable(method).run(
-        system, sr.assemble(system), ends, rtol=1e-6, atol=1e-8, store_steps=True, given=np.asarray(h)
+    run = run_of(
+        differentiable(method),
+        system,
+        sr.assemble(system),
+        ends,
+        rtol=1e-6,
+        atol=1e-8,
+        store_steps=True,
+        given=np.asarray(h),
     )
     assert run.success, run.message
     return run.steps
@@ -77,7 +85,7 @@ def test_steps_are_those_of_the_closed_recurrence(method: Any, recurrence: Calla
 def test_equal_and_unequal_steps_have_order_two(method: Any) -> None:
     """Errors of positions, velocities and multipliers of a slider-crank, against Radau with 1e-12."""
     system = slider_crank()
-    exact = sr.simulate(system, until=0.3, t_eval=[0.3], method=sr.Radau(), rtol=1e-12, atol=1e-13)
+    exact = sr.simulate(system, until=0.3, t_eval=[0.3], method=sr.Radau(rtol=1e-12, atol=1e-13))
     for pattern in (np.ones(2), np.array([0.7, 1.3])):
         errors = []
         for count in (60, 120, 240):
@@ -93,10 +101,14 @@ def test_equal_and_unequal_steps_have_order_two(method: Any) -> None:
 @every
 def test_errors_follow_the_tolerance(method: Any) -> None:
     system = slider_crank()
-    exact = sr.simulate(system, until=0.5, t_eval=[0.2, 0.5], method=sr.Radau(), rtol=1e-10, atol=1e-12)
+    exact = sr.simulate(system, until=0.5, t_eval=[0.2, 0.5], method=sr.Radau(rtol=1e-10, atol=1e-12))
     for tolerance in (1e-4, 1e-6):
-        settings = {"rtol": tolerance, "atol": 0.01 * tolerance}
-        run = sr.simulate(system, until=0.5, t_eval=[0.2, 0.5], method=method, **settings)
+        run = sr.simulate(
+            system,
+            until=0.5,
+            t_eval=[0.2, 0.5],
+            method=replace(method, rtol=tolerance, atol=0.01 * tolerance),
+        )
         assert run.success
         assert abs(run.q - exact.q).max() < 20 * tolerance**0.9
         assert run.violation.max() < 1e-12
@@ -106,9 +118,9 @@ def test_errors_follow_the_tolerance(method: Any) -> None:
 def test_events_and_dense_output(method: Any) -> None:
     """A rod that falls against a stop: times of impacts and states in between are those of Radau."""
     stop = sr.Event("rod.x", direction=-1, reset=sr.Impact(0.6), name="stop")
-    settings = {"until": 2.0, "events": stop, "dense_output": True}
-    run = sr.simulate(pendulum(), method=method, rtol=1e-7, atol=1e-9, **settings)
-    exact = sr.simulate(pendulum(), method=sr.Radau(), rtol=1e-10, atol=1e-12, **settings)
+    settings = {"until": 2.0, "events": stop, "store": "dense"}
+    run = sr.simulate(pendulum(), method=replace(method, rtol=1e-7, atol=1e-9), **settings)
+    exact = sr.simulate(pendulum(), method=sr.Radau(rtol=1e-10, atol=1e-12), **settings)
     assert len(run.events) == len(exact.events) == 2
     assert [e.t for e in run.events] == pytest.approx([e.t for e in exact.events], abs=5e-5)
     t = np.linspace(0, 2, 101)
@@ -118,7 +130,9 @@ def test_events_and_dense_output(method: Any) -> None:
 def test_the_implicit_midpoint_rule_keeps_the_energy() -> None:
     """Over 60 swings, with equal steps: without an error, all are the longest."""
     equal = replace(MIDPOINT, error=sr.Estimate(2, 0.0, lambda h, ratio: {}))
-    run = sr.simulate(pendulum(), until=100.0, method=equal, first_step=0.05, max_step=0.05)
+    run = sr.simulate(
+        pendulum(), until=100.0, method=sr.DescribedMethod(equal, first_step=0.05, max_step=0.05)
+    )
     damped = sr.simulate(pendulum(), until=100.0, method=sr.HHT(step=0.05))
     assert run.nsteps == damped.nsteps == 2000
     energy, lost = run.total_energy, damped.total_energy
@@ -137,7 +151,7 @@ def test_redundant_constraints_are_left_out(method: Any) -> None:
     assert np.allclose(one.q, two.q, rtol=0, atol=1e-9)
     gradients = []
     for system in (pendulum(), twice):
-        run = sr.simulate(system, until=0.5, method=method, store_steps=True, rtol=1e-8, atol=1e-8)
+        run = sr.simulate(system, until=0.5, method=replace(method, rtol=1e-8, atol=1e-8), store="steps")
         gradients.append(sr.sensitivity(run, sr.Final("rod.y"), ["rod.inertia.zz", "gravity.y"]).matrix)
     assert np.allclose(*gradients, rtol=1e-5)
 
@@ -163,8 +177,12 @@ def test_going_on_from_a_saved_state_gives_the_same_bits(method: Any) -> None:
 def test_descriptions_of_the_built_in_methods_run_as_these(described: sr.Description, method: Any) -> None:
     """With the same lengths of steps their states are the same to what Newton's method leaves."""
     system = slider_crank()
-    settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True}
-    steps = solved(sr.simulate(system, until=0.3, t_eval=[0.3], method=method, **settings), method).steps
+    steps = solved(
+        sr.simulate(
+            system, until=0.3, t_eval=[0.3], method=replace(method, rtol=1e-6, atol=1e-8), store="steps"
+        ),
+        method,
+    ).steps
     again = prescribed(system, described, steps.h)
     assert np.allclose(again.q, steps.q, rtol=0, atol=1e-10)
     assert np.allclose(again.v, steps.v, rtol=0, atol=1e-9)

@@ -27,7 +27,7 @@ BRICARD = {
 
 def test_bricard_follows_the_reference() -> None:
     times = [0.0, *BRICARD]
-    run = sr.simulate(linkages.bricard(), until=10.0, t_eval=times, rtol=1e-10, atol=1e-12, method=sr.ODE())
+    run = sr.simulate(linkages.bricard(), until=10.0, t_eval=times, method=sr.ODE(rtol=1e-10, atol=1e-12))
     assert run.success, run.message
     rod = run["rod_2"]
     ends = [r + rotate(p, np.array([0, -0.5, 0])) for r, p in zip(rod.position, rod.euler, strict=True)]
@@ -38,7 +38,7 @@ def test_bricard_follows_the_reference() -> None:
 @pytest.mark.parametrize("make", [linkages.door, linkages.sarrus, linkages.bennett], ids=lambda m: m.__name__)
 def test_overconstrained_linkages_move(make: object) -> None:
     system = make()  # type: ignore[operator]
-    run = sr.simulate(system, until=2.0, t_eval=np.linspace(0, 2, 21), rtol=1e-9, atol=1e-11, method=sr.ODE())
+    run = sr.simulate(system, until=2.0, t_eval=np.linspace(0, 2, 21), method=sr.ODE(rtol=1e-9, atol=1e-11))
     assert run.success, run.message
     assert abs(run.q - run.q[0]).max() > 0.1
     assert run.violation.max() < 1e-12
@@ -85,9 +85,7 @@ def test_accelerations_do_not_depend_on_the_choice() -> None:
 def test_a_choice_is_renewed_where_it_becomes_poor() -> None:
     system = linkages.bricard()
     independence, motion = Independence(system, system.q0), linkages.bricard()
-    run = sr.simulate(
-        motion, until=2.5, t_eval=np.linspace(0, 2.5, 26), rtol=1e-8, atol=1e-10, method=sr.ODE()
-    )
+    run = sr.simulate(motion, until=2.5, t_eval=np.linspace(0, 2.5, 26), method=sr.ODE(rtol=1e-8, atol=1e-10))
     for q in run.q:
         independence.renew(0.0, q)
         kept = system.Phi_q(q)[independence.rows].toarray()
@@ -96,7 +94,7 @@ def test_a_choice_is_renewed_where_it_becomes_poor() -> None:
 
 def test_contradictory_joints_are_refused() -> None:
     system = linkages.contradictory_door()
-    run = sr.simulate(system, until=1.0, rtol=1e-8, atol=1e-10, method=sr.ODE())
+    run = sr.simulate(system, until=1.0, method=sr.ODE(rtol=1e-8, atol=1e-10))
     assert not run.success
     assert run.status == "inconsistent"
     assert "hinge_2 by 0.05 m" in run.message
@@ -109,7 +107,7 @@ def test_a_velocity_that_leads_nowhere_is_refused() -> None:
     system = chain("stretched", points, np.tile(Z, (3, 1)))
     moving = sr.assemble(system, rates={"hinge_1": 1.0})
     assert moving.success, moving.message
-    run = sr.simulate(system, moving, until=1.0, rtol=1e-8, atol=1e-10, method=sr.ODE())
+    run = sr.simulate(system, moving, until=1.0, method=sr.ODE(rtol=1e-8, atol=1e-10))
     assert not run.success
     assert run.status == "inconsistent"
     assert "contradict each other as soon as it moves" in run.message
@@ -119,7 +117,7 @@ def test_a_crooked_door_is_stuck() -> None:
     system = linkages.crooked_door()
     assert sr.mobility(system).degrees_of_freedom == 0
     with pytest.warns(sr.SarrusWarning, match="nothing can move"):
-        run = sr.simulate(system, until=0.5, t_eval=[0.0, 0.5], rtol=1e-8, atol=1e-10, method=sr.ODE())
+        run = sr.simulate(system, until=0.5, t_eval=[0.0, 0.5], method=sr.ODE(rtol=1e-8, atol=1e-10))
     assert run.success
     assert np.allclose(run.q[-1], system.q0, atol=1e-9)
 
@@ -155,5 +153,27 @@ def test_a_door_with_nearly_aligned_hinges_turns_or_says_so(angle: float, method
 
 @pytest.mark.filterwarnings("ignore:.*a singular configuration is passed")
 def test_running_into_a_branch_ends_with_a_sentence() -> None:
-    run = sr.simulate(linkages.parallelogram(), until=3.0, rtol=1e-9, atol=1e-11, method=sr.ODE())
+    run = sr.simulate(linkages.parallelogram(), until=3.0, method=sr.ODE(rtol=1e-9, atol=1e-11))
     assert run.success or "become dependent" in run.message
+
+
+def test_a_dead_centre_names_the_equations_of_the_lock_and_not_those_that_are_redundant_everywhere() -> None:
+    z, far = (0, 0, 1), np.sqrt(3.0)
+    crank = sr.Body("crank", 1.0, (1, 1, 1), position=(0, 0.5, 0))
+    rod = sr.Body("rod", 1.0, (1, 1, 1), position=(far / 2, 0.5, 0))
+    slider = sr.Body("slider", 1.0, (1, 1, 1), position=(far, 0, 0))
+    joints = [
+        sr.Revolute("pin", sr.ground, crank, point=(0, 0, 0), axis=z),
+        sr.Revolute("knee", crank, rod, point=(0, 1, 0), axis=z),
+        sr.Revolute("wrist", rod, slider, point=(far, 0, 0), axis=z),
+        sr.Prismatic("guide", sr.ground, slider, point=(far, 0, 0), axis=(1, 0, 0)),
+    ]
+    ram = sr.DisplacementDriver("ram", "guide", "2*t")
+    system = sr.System(sr.Model("linkage", [crank, rod, slider], joints, drivers=[ram]))
+    run, path = sr.simulate(system, until=1.0), sr.kinematics(system, until=1.0)
+    assert run.status == "singular configuration"
+    rows = run.message.partition("among ")[2].partition(": the mechanism locks there")[0]
+    assert {*rows.split(", ")} == {"pin: point x", "knee: point x", "wrist: point x", "ram: displacement"}
+    assert {part.partition(" (")[0] for part in path.message.partition("dependent: ")[2].split("), ")} == {
+        "pin", "knee", "wrist", "ram"
+    }  # fmt: skip

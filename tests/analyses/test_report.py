@@ -34,7 +34,7 @@ def test_a_run_in_a_pipe_leaves_one_line(capsys: pytest.CaptureFixture[str]) -> 
 def test_derivatives_and_films_show_their_progress(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    run = sr.simulate(slider_crank(), until=0.05, t_eval=[0.0, 0.05], store_steps=True)
+    run = sr.simulate(slider_crank(), until=0.05, t_eval=[0.0, 0.05], store="steps")
     sr.sensitivity(run, "slider.x", ["spring.k"], progress=True)
     assert "differentiated 2 of 2 stages" in capsys.readouterr().err
     seen: list[float] = []

@@ -1,6 +1,7 @@
 """What is saved cannot be lost or lie: other data, other writers, damage, crashes at any moment, and full disks."""
 
 import errno
+import io
 import json
 import os
 import shutil
@@ -17,6 +18,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
+from sarrus.analyses.dynamics.time_loop import recording
 from sarrus.analyses.dynamics.time_loop import time_loop as march
 from sarrus.model import SarrusError
 from sarrus.model.expression.tree import REGISTRY
@@ -24,7 +26,7 @@ from sarrus.results.saving import checked_file, saved
 from sarrus.results.saving.versions import versions
 
 ROOT = Path(__file__).parents[2]
-GIVEN = {"until": 1.0, "t_eval": np.linspace(0, 1, 201), "method": sr.HHT(), "rtol": 1e-6, "atol": 1e-8}
+GIVEN = {"until": 1.0, "t_eval": np.linspace(0, 1, 201), "method": sr.HHT(rtol=1e-6, atol=1e-8)}
 STATES = ("t", "q", "v", "a", "lam", "history", "kinetic_energy", "violation")
 
 
@@ -32,8 +34,8 @@ STATES = ("t", "q", "v", "a", "lam", "history", "kinetic_energy", "violation")
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Chunks of 23 states, a checkpoint after every 40 steps."""
     for owner, name, value in (
-        (march, "PAUSE", 0.0),
-        (march, "PATIENT", 0.0),
+        (recording, "PAUSE", 0.0),
+        (recording, "PATIENT", 0.0),
         (march, "CHUNK", 40),
         (saved, "BYTES", 4000),
     ):
@@ -96,7 +98,7 @@ def test_what_is_no_run_is_never_touched(
     make(folder)
     before = contents(folder)
     with pytest.raises(SarrusError, match=r"thesis: is there and is no saved run.* Choose another name"):
-        sr.simulate(slider_crank(), save=folder, overwrite=overwrite, **GIVEN)
+        sr.simulate(slider_crank(), save=sr.Save(folder, overwrite=overwrite), **GIVEN)
     assert contents(folder) == before
 
 
@@ -110,7 +112,7 @@ def test_files_of_others_in_the_folder_of_a_run_stay_when_it_is_replaced(tmp_pat
     for path in others:
         path.parent.mkdir(exist_ok=True)
         path.write_text("mine")
-    sr.simulate(slider_crank(), until=0.01, save=run, overwrite=True)
+    sr.simulate(slider_crank(), until=0.01, save=sr.Save(run, overwrite=True))
     assert all(path.read_text() == "mine" for path in others)
 
 
@@ -130,7 +132,9 @@ def test_nothing_is_written_or_removed_through_links_in_the_folder_of_a_run(
     place.symlink_to(home if name == "q" else home / "c.0.0")
     before = contents(home)
     with pytest.raises(SarrusError, match="which is not touched" if overwrite else None):
-        sr.simulate(slider_crank(), save=run, overwrite=True, **GIVEN) if overwrite else sr.resume(run)
+        sr.simulate(slider_crank(), save=sr.Save(run, overwrite=True), **GIVEN) if overwrite else sr.resume(
+            run
+        )
     assert contents(home) == before
 
 
@@ -163,7 +167,7 @@ def test_nothing_is_written_through_links_in_the_folder_of_a_study(name: str, tm
 def test_runs_and_studies_take_an_empty_folder(overwrite: bool, tmp_path: Path) -> None:
     for name in ("run", "study"):
         (tmp_path / name).mkdir()
-    saved = sr.simulate(slider_crank(), save=tmp_path / "run", overwrite=overwrite, **GIVEN)
+    saved = sr.simulate(slider_crank(), save=sr.Save(tmp_path / "run", overwrite=overwrite), **GIVEN)
     assert sr.load_run(tmp_path / "run").t.tolist() == saved.t.tolist()
     short = sr.Simulation(0.01, steps=2)
     sr.study(
@@ -192,7 +196,7 @@ def test_a_run_is_replaced_only_where_that_is_said(tmp_path: Path, plain: sr.Tra
         sr.simulate(slider_crank(), save=folder, **GIVEN)
     with pytest.raises(SarrusError, match=r"checkpoint.npz: is missing"):
         sr.resume(folder)
-    other = sr.simulate(slider_crank(), save=folder, overwrite=True, until=0.2)
+    other = sr.simulate(slider_crank(), save=sr.Save(folder, overwrite=True), until=0.2)
     assert same(sr.load_run(folder), other)
     assert (folder / "notes.txt").read_text() == "irreplaceable"
 
@@ -218,7 +222,7 @@ def wait(t):
     if t > 0.2:
         print("writing", flush=True)
         time.sleep(100)
-here.march.PAUSE, here.march.CHUNK = 0.0, 40
+here.recording.PAUSE, here.march.CHUNK = 0.0, 40
 sr.simulate(here.slider_crank(), save=sys.argv[1], progress=wait, **here.GIVEN)
 """
 
@@ -239,7 +243,7 @@ def test_a_second_writer_is_refused_and_a_dead_one_is_replaced(tmp_path: Path, p
         told = rf"run: is being written by process {first.pid} on {os.uname().nodename}. Wait until it ends"
         for overwrite in (False, True):
             with pytest.raises(SarrusError, match=told):
-                sr.simulate(slider_crank(), save=folder, overwrite=overwrite, **GIVEN)
+                sr.simulate(slider_crank(), save=sr.Save(folder, overwrite=overwrite), **GIVEN)
         with pytest.raises(SarrusError, match=told):
             sr.resume(folder)
         assert sr.load_run(folder).status == "cut short"
@@ -254,7 +258,7 @@ def test_a_second_writer_in_the_same_process_is_refused(tmp_path: Path) -> None:
 
     def again(t: float) -> None:
         with pytest.raises(SarrusError, match=f"is being written by process {os.getpid()} on"):
-            sr.simulate(slider_crank(), save=tmp_path / "run", overwrite=True, **GIVEN)
+            sr.simulate(slider_crank(), save=sr.Save(tmp_path / "run", overwrite=True), **GIVEN)
         refused.append(t)
 
     run = sr.simulate(slider_crank(), save=tmp_path / "run", progress=again, **GIVEN)
@@ -344,7 +348,7 @@ def test_format_version_and_attributes_are_checked(tmp_path: Path) -> None:
     folder, copy = tmp_path / "run", tmp_path / "copy"
     cut_short(folder)
     for changes, told in (
-        ({"format": 999}, "in format 999, and Sarrus .* reads format 8. Open it with Sarrus .*, or simulate"),
+        ({"format": 999}, "in format 999, and Sarrus .* reads format 9. Open it with Sarrus .*, or simulate"),
         ({"format": 1}, "in format 1, and"),
         ({"format": 6}, "in format 6, and"),
         ({"name": "other"}, "zarr.json: is damaged"),
@@ -447,7 +451,7 @@ def test_forged_recipes_run_nothing(content: bytes, tmp_path: Path) -> None:
 def test_no_file_of_a_run_is_a_pickle(tmp_path: Path) -> None:
     """What is written names no class of Python, and only the caches of kernels and worker processes unpickle."""
     event = sr.Event("slider.x - 4.1", reset=lambda t, q, v: v, name="gate")
-    run = sr.simulate(slider_crank(), until=3.0, save=tmp_path / "run", events=event, store_steps=True)
+    run = sr.simulate(slider_crank(), until=3.0, save=tmp_path / "run", events=event, store="steps")
     assert run.events
     for content in contents(tmp_path / "run").values():
         assert b"sarrus.model" not in content
@@ -512,7 +516,7 @@ def test_a_run_that_crashed_before_its_first_checkpoint_is_begun_again(
             patch.setattr(checked_file, "replace_file", crash)
             patch.setattr(saved, "replace_file", crash)
             patch.setattr(saved.stored_array, "create", crash_within)
-            sr.simulate(slider_crank(), save=folder, overwrite=overwrite, **GIVEN)
+            sr.simulate(slider_crank(), save=sr.Save(folder, overwrite=overwrite), **GIVEN)
         if (folder / saved.CHECKPOINT).exists():
             break
         if count % 2:
@@ -543,11 +547,10 @@ def test_a_run_is_resumed_to_the_same_bits_and_counts_from_every_checkpoint(
         "until": 1.0,
         "t_eval": np.linspace(0, 1, 31),
         "events": resets,
-        "method": method,
-        "max_step": 0.04,
+        "method": replace(method, max_step=0.04),
     }
     for name, value in (("PAUSE", 0.0), ("PATIENT", 0.0), ("WATCHED", 2)):
-        monkeypatch.setattr(march, name, value)
+        monkeypatch.setattr(march if name == "WATCHED" else recording, name, value)
     plain, stretches = sr.simulate(system, **given), list[float]()
     sr.simulate(system, progress=stretches.append, **given)
     assert len(plain.events) >= 4
@@ -559,7 +562,7 @@ def test_a_run_is_resumed_to_the_same_bits_and_counts_from_every_checkpoint(
             if len(calls) > count:
                 raise KeyboardInterrupt
 
-        monkeypatch.setattr(march, "PAUSE", pause)
+        monkeypatch.setattr(recording, "PAUSE", pause)
         folder = tmp_path / f"run{count}"
         assert sr.simulate(system, save=folder, progress=stop, **given).status == "stopped"
         resumed = sr.resume(folder)
@@ -594,13 +597,24 @@ def test_chunks_are_on_the_disk_before_a_checkpoint_refers_to_them(
     assert len(set(wanted)) > 50
 
 
+def test_the_checkpoint_of_an_earlier_version_is_read_but_not_resumed(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    sr.simulate(slider_crank(), save=folder, until=0.1)
+    former, content = {n: x for n, x in saved.checkpoint(folder).items() if "." not in n}, io.BytesIO()
+    np.savez(content, **former)
+    checked_file.write_checked(folder / saved.CHECKPOINT, content.getvalue())
+    assert sr.load_run(folder).success
+    with pytest.raises(SarrusError, match="by an earlier version of Sarrus"):
+        sr.resume(folder)
+
+
 # ---------------------------------------------------------------------------------------------- full disks
 LIMITED = """
 import resource, sys, sarrus as sr
 from tests.analyses import test_saved_folders as here
 here.slider_crank()  # is read from a file that it writes
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), resource.RLIM_INFINITY))
-here.march.PAUSE = here.march.PATIENT = 0.0
+here.recording.PAUSE = here.recording.PATIENT = 0.0
 here.march.CHUNK, here.saved.BYTES = 40, 4000
 made = sr.resume(sys.argv[1]) if sys.argv[3] == "resume" else sr.simulate(
     here.slider_crank(), save=sys.argv[1], **here.GIVEN)
@@ -619,13 +633,13 @@ def limited(folder: Path, size: int, verb: str) -> list[str]:
 
 @pytest.mark.slow
 def test_a_limit_of_file_sizes_ends_in_a_result(tmp_path: Path, plain: sr.Trajectory) -> None:
-    """At 1 kB nothing can be written, at 90 kB some checkpoints can; the run is completed without a limit."""
+    """At 1 kB nothing can be written, at 100 kB some checkpoints can; the run is completed without a limit."""
     folder = tmp_path / "run"
     told, message = limited(folder, 1000, "simulate")
     assert told == "not saved 0 False"
     assert "cannot be written (File too large). Raise the limit of file sizes" in message
     folder = tmp_path / "second"
-    largest = 90_000
+    largest = 100_000
     told, message = limited(folder, largest, "simulate")
     status, count, success = told.rsplit(" ", 2)
     assert (status, success) == ("not saved", "False")
@@ -655,7 +669,7 @@ def test_a_full_disk_ends_in_a_result_and_the_run_is_continued_when_there_is_spa
     disk: Path, plain: sr.Trajectory
 ) -> None:
     folder, ballast = disk / "run", disk / "ballast"
-    ballast.write_bytes(bytes(780_000))
+    ballast.write_bytes(bytes(760_000))
     cut = sr.simulate(slider_crank(), save=folder, **GIVEN)
     assert (cut.status, cut.success) == ("not saved", False)
     assert "No space left on device). Free disk space" in cut.message

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
+from sarrus.analyses.dynamics.time_loop import recording
 from sarrus.analyses.dynamics.time_loop import time_loop as march
 from sarrus.results.saving.saved import checkpoint
 
@@ -18,13 +20,13 @@ METHODS = {"HHT": sr.HHT(), "Radau": sr.Radau(), "ODE": sr.ODE()}
 TIMES = np.linspace(0, 20, 5001)
 
 
-def options(method: str) -> dict:
-    return {"until": 20.0, "t_eval": TIMES, "method": METHODS[method], "rtol": 1e-9, "atol": 1e-11}
+def options(method: str, rtol: float = 1e-9) -> dict:
+    return {"until": 20.0, "t_eval": TIMES, "method": replace(METHODS[method], rtol=rtol, atol=1e-11)}
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_saved_run_is_the_run(method: str, tmp_path: Path) -> None:
-    given = {**options(method), "until": 1.0, "t_eval": np.linspace(0, 1, 333), "rtol": 1e-6}
+    given = {**options(method, 1e-6), "until": 1.0, "t_eval": np.linspace(0, 1, 333)}
     plain = sr.simulate(slider_crank(), **given)
     sr.simulate(slider_crank(), save=tmp_path / "run.sarrus", **given)
     saved = sr.load_run(tmp_path / "run.sarrus")
@@ -52,7 +54,7 @@ CHILD = """
 import sys
 import tests.analyses.test_saving as here
 import sarrus as sr
-here.march.PAUSE = here.march.PATIENT = 0.0
+here.recording.PAUSE = here.recording.PATIENT = 0.0
 sr.simulate(here.slider_crank(), save=sys.argv[2], progress=here.slowly, **here.options(sys.argv[1]))
 """
 
@@ -85,22 +87,22 @@ def test_a_killed_run_is_gone_on_with_to_the_same_bits(method: str, tmp_path: Pa
 
 def _has_come_far(folder: Path) -> bool:
     try:
-        return int(checkpoint(folder)["written"]) > 0
+        return int(checkpoint(folder)["record._written"]) > 0
     except (FileNotFoundError, KeyError):
         return False
 
 
 @pytest.mark.slow
 def test_a_run_that_was_stopped_is_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(march, "PAUSE", 0.0)
-    monkeypatch.setattr(march, "PATIENT", 0.0)
+    monkeypatch.setattr(recording, "PAUSE", 0.0)
+    monkeypatch.setattr(recording, "PATIENT", 0.0)
 
     def stop(t: float) -> None:
         if t > 5.0:
             raise KeyboardInterrupt
 
     floor = sr.Event("slider.x - 4.0", name="middle")
-    given = {**options("HHT"), "events": floor, "rtol": 1e-5}
+    given = {**options("HHT", 1e-5), "events": floor}
     cut = sr.simulate(slider_crank(), save=tmp_path / "r", progress=stop, **given)
     assert cut.status == "stopped"
     assert 4.0 < cut.t[-1] < 20
@@ -115,7 +117,7 @@ def _in_parts(
 ) -> sr.Trajectory:
     """A run that is stopped after a time, and gone on with."""
     for name, value in (("PAUSE", 0.0), ("PATIENT", 0.0), ("WATCHED", 1)):
-        monkeypatch.setattr(march, name, value)
+        monkeypatch.setattr(march if name == "WATCHED" else recording, name, value)
 
     def stop(t: float) -> None:
         if t > after:
@@ -127,7 +129,7 @@ def _in_parts(
 
 def test_turns_of_an_events_angle_are_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     wound = sr.Event("pin.angle^2 + 20*slider.x - 98", direction=-1, terminal=True)
-    given = {"until": 3.0, "t_eval": [0.0], "events": wound, "rtol": 1e-4}
+    given = {"until": 3.0, "t_eval": [0.0], "events": wound, "method": sr.Radau(rtol=1e-4)}
     plain = sr.simulate(slider_crank(), **given)
     resumed = _in_parts(tmp_path / "r", monkeypatch, slider_crank(), 1.2, **given)
     assert resumed.status == plain.status == "event"
@@ -201,16 +203,20 @@ def test_the_whole_motion_and_the_steps_are_gone_on_with(
     method: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A quarter of the steps, then the rest: derivatives and states between are those of a run in one go."""
-    monkeypatch.setattr(march, "PAUSE", 0.0)
-    monkeypatch.setattr(march, "PATIENT", 0.0)
+    monkeypatch.setattr(recording, "PAUSE", 0.0)
+    monkeypatch.setattr(recording, "PATIENT", 0.0)
     monkeypatch.setattr(march, "CHUNK", 40)
 
     def stop(t: float) -> None:
         if t > 0.5:
             raise KeyboardInterrupt
 
-    given = {"until": 2.0, "t_eval": [1.0, 2.0], "method": METHODS[method], "rtol": 1e-7, "store_steps": True}
-    given |= {"dense_output": True}
+    given = {
+        "until": 2.0,
+        "t_eval": [1.0, 2.0],
+        "method": replace(METHODS[method], rtol=1e-7),
+        "store": "steps",
+    }
     plain, folder = sr.simulate(slider_crank(), **given), tmp_path / "r"
     assert sr.simulate(slider_crank(), save=folder, progress=stop, **given).status == "stopped"
     resumed, opened = sr.resume(folder), sr.resume(folder)

@@ -42,7 +42,7 @@ def test_what_it_does_not_contain_is_refused(tmp_path: Path) -> None:
     run = sr.simulate(slider_crank(), until=0.1)
     run.save(tmp_path / "run.sarrus")
     for use in (sr.resume, sr.repeat):
-        with pytest.raises(ValueError, match=r"saved after the run.*load_run"):
+        with pytest.raises(ValueError, match=r"saved after the run"):
             use(tmp_path / "run.sarrus")
     with pytest.raises(FileExistsError, match=r"finished run.*overwrite=True"):
         run.save(tmp_path / "run.sarrus")

@@ -17,7 +17,7 @@ from sarrus.studies import Range, Simulation, Statics, study, uncertainty
 from sarrus.studies.file import read_study_file
 from sarrus.studies.optimization import read_optimization_file
 
-TIGHT: dict[str, Any] = {"rtol": 1e-10}
+TIGHT: dict[str, Any] = {"method": sr.Radau(rtol=1e-10)}
 SETTLED = {"equilibrium": True}
 DRIVEN = {"equilibrium": True, "rates": {"pin": 2.0}}
 NAMES = ["spring.k", "rod.mass", "pin.point.z", "spring.length", "gravity.z"]
@@ -67,15 +67,13 @@ def test_velocities_that_a_rate_does_not_determine_follow_the_equilibrium() -> N
     start, names = {"equilibrium": True, "rates": {"lower.z": 0.3}}, ["spring.k", "elbow.point.x"]
 
     def gradient(values: dict[str, float]) -> sr.Sensitivity:
-        run = sr.simulate(
-            sr.System(with_numbers(model, values)), start, until=0.02, store_steps=True, **TIGHT
-        )
+        run = sr.simulate(sr.System(with_numbers(model, values)), start, until=0.02, store="steps", **TIGHT)
         return sr.sensitivity(run, sr.Final("lower.velocity.x"), names)
 
     own, found = written_numbers(model), gradient({})
     wanted = [slope(lambda x, n=n: float(gradient({n: x}).values[0]), own[n], 1 + own[n]) for n in names]  # type: ignore[misc]
     assert found.matrix[0] == pytest.approx(wanted, rel=1e-6)
-    run = sr.simulate(sr.System(model), start, until=0.02, store_steps=True, **TIGHT)
+    run = sr.simulate(sr.System(model), start, until=0.02, store="steps", **TIGHT)
     second = sr.hessian(run, sr.Final("lower.velocity.x"), names)
     bends = [slope(lambda x: float(gradient({names[1]: x}).matrix[0, n]), own[names[1]], 1.0) for n in (0, 1)]  # noqa: B023
     assert second.matrix[1] == pytest.approx(bends, rel=1e-5)
@@ -85,7 +83,7 @@ def test_velocities_that_a_rate_does_not_determine_follow_the_equilibrium() -> N
 @pytest.mark.parametrize(("make", "rate"), [(rest, None), (lambda: SETTLED, None), (lambda: DRIVEN, 2.0)])
 def test_gradients_go_through_the_equilibrium(make: Callable[[], Any], rate: float | None) -> None:
     start = make()
-    run = sr.simulate(sr.System(BASE), start, until=0.3, store_steps=True, **TIGHT)
+    run = sr.simulate(sr.System(BASE), start, until=0.3, store="steps", **TIGHT)
     assert run.steps.start.settled
     own = written_numbers(BASE)
     wanted = [slope(lambda x, n=n: end(rate, {n: x}), own[n], abs(own[n]) or 1.0) for n in NAMES]  # type: ignore[misc]
@@ -117,9 +115,7 @@ def test_laws_and_forces_without_a_potential(law: Any) -> None:
     names = [
         name for name in written_numbers(system.model) if name.startswith(("coil.k", "jet.force", "rod.mass"))
     ]
-    run = sr.simulate(
-        system, {"equilibrium": True, "rates": {"pin": 1.0}}, until=0.4, store_steps=True, **TIGHT
-    )
+    run = sr.simulate(system, {"equilibrium": True, "rates": {"pin": 1.0}}, until=0.4, store="steps", **TIGHT)
     found = sr.sensitivity(run, sr.Final("rod.x"), names).matrix[0]
     first = sr.equilibrium(system)
 
@@ -143,7 +139,7 @@ def bends(base: sr.Model, start: Any, until: float, response: Any, names: list[s
         found = []
         for n in (-2, -1, 1, 2):
             other = sr.System(with_numbers(base, {name: own[name] + n * h}))
-            run = sr.simulate(other, start, until=until, store_steps=True, **TIGHT)
+            run = sr.simulate(other, start, until=until, store="steps", **TIGHT)
             found.append(sr.sensitivity(run, response, names).matrix[0])
         rows.append((found[0] - 8 * found[1] + 8 * found[2] - found[3]) / (12 * h))
     return np.array(rows)
@@ -153,7 +149,7 @@ def bends(base: sr.Model, start: Any, until: float, response: Any, names: list[s
 @pytest.mark.parametrize("start", [SETTLED, DRIVEN])
 def test_hessians_go_through_the_equilibrium(start: dict[str, Any]) -> None:
     names, response = ["spring.k", "rod.mass", "pin.point.z"], sr.Final("slider.x")
-    run = sr.simulate(sr.System(BASE), start, until=0.3, store_steps=True, **TIGHT)
+    run = sr.simulate(sr.System(BASE), start, until=0.3, store="steps", **TIGHT)
     found = sr.hessian(run, response, names).matrix
     wanted = bends(BASE, start, 0.3, response, names)
     assert found == pytest.approx(wanted, rel=1e-5, abs=1e-7 * abs(wanted).max())
@@ -166,7 +162,7 @@ def test_hessians_with_laws_and_forces_without_a_potential(law: Any) -> None:
     system, start = hanging(law), {"equilibrium": True, "rates": {"pin": 1.0}}
     names = ["rod.mass", "jet.force.z"]
     names += [name for name in written_numbers(system.model) if name.startswith("coil.k")][1:3]
-    run = sr.simulate(system, start, until=0.4, store_steps=True, **TIGHT)
+    run = sr.simulate(system, start, until=0.4, store="steps", **TIGHT)
     response = sr.Final("rod.x")
     found = sr.hessian(run, response, names).matrix
     wanted = bends(system.model, start, 0.4, response, names)
@@ -248,7 +244,7 @@ def test_what_has_no_derivative_is_refused() -> None:
     with pytest.raises(sr.ModelError, match="equilibrium must be true or false"):
         sr.simulate(system, {"equilibrium": "soon"}, until=0.1)
     free = sr.System(sr.Model("free", [sr.Body("ball", 1, (1, 1, 1))]))
-    run = sr.simulate(free, SETTLED, until=0.1, store_steps=True)
+    run = sr.simulate(free, SETTLED, until=0.1, store="steps")
     with pytest.raises(ArithmeticError, match="free: a motion has no stiffness"):
         sr.sensitivity(run, sr.Final("ball.x"), ["ball.mass"])
 

@@ -21,7 +21,7 @@ def table(name: str) -> np.ndarray:
 def test_slider_crank_follows_the_reference() -> None:
     reference = table("spatial_slidercrank_paper.csv")
     run = sr.simulate(
-        slider_crank(), until=10.0, t_eval=reference["t"], rtol=1e-11, atol=1e-13, method=sr.ODE()
+        slider_crank(), until=10.0, t_eval=reference["t"], method=sr.ODE(rtol=1e-11, atol=1e-13)
     )
     assert run.success
     assert np.allclose(run["slider"].position[:, 0], reference["x_slider"], atol=1e-9)
@@ -36,7 +36,7 @@ def test_the_error_falls_with_the_tolerance() -> None:
     errors = []
     for rtol in (1e-5, 1e-7, 1e-9):
         run = sr.simulate(
-            slider_crank(), until=10.0, t_eval=reference["t"], rtol=rtol, atol=0.01 * rtol, method=sr.ODE()
+            slider_crank(), until=10.0, t_eval=reference["t"], method=sr.ODE(rtol=rtol, atol=0.01 * rtol)
         )
         errors.append(abs(run["slider"].position[:, 0] - reference["x_slider"]).max())
     assert errors[0] > 10 * errors[1] > 100 * errors[2]
@@ -49,7 +49,7 @@ def test_hmmwv_follows_the_reference() -> None:
     assert np.allclose(start.v, v, atol=1e-10)
     assert system.kinetic_energy(start.q, start.v) == pytest.approx(32312.2285226517, rel=1e-10)
     times = reference["t"][reference["t"] <= 0.3]
-    run = sr.simulate(system, start, until=0.3, t_eval=times, rtol=1e-9, atol=1e-11, method=sr.ODE())
+    run = sr.simulate(system, start, until=0.3, t_eval=times, method=sr.ODE(rtol=1e-9, atol=1e-11))
     chassis = run["chassis"]
     for k, axis in enumerate("xyz"):
         assert np.allclose(chassis.position[:, k], reference[axis][: len(times)], atol=2e-8)
@@ -68,7 +68,7 @@ def rigid_velocity(system: sr.System, v0: np.ndarray, omega: np.ndarray) -> np.n
 
 def test_methods_agree() -> None:
     runs = [
-        sr.simulate(slider_crank(), until=1.0, method=sr.ODE(name), rtol=1e-9, atol=1e-11)
+        sr.simulate(slider_crank(), until=1.0, method=sr.ODE(name, rtol=1e-9, atol=1e-11))
         for name in ("DOP853", "RK45")
     ]
     assert np.allclose(runs[0].q[-1], runs[1].q[-1], atol=1e-7)
@@ -116,11 +116,11 @@ def test_an_end_time_may_be_a_whole_number() -> None:
 
 def test_whole_numbers_compile_nothing_anew() -> None:
     """The loop of integration is compiled for real numbers."""
-    sr.simulate(slider_crank(), until=0.1, max_step=1.0)
+    sr.simulate(slider_crank(), until=0.1, method=sr.Radau(max_step=1.0))
     known = set(link(advance).signatures)
     with pytest.warns(sr.SarrusWarning, match="not finite at"):  # with such a tolerance
-        sr.simulate(slider_crank(), until=1, max_step=1, first_step=1, atol=1).q  # noqa: B018
-    sr.simulate(slider_crank(), until=1, max_step=np.float32(1))
+        sr.simulate(slider_crank(), until=1, method=sr.Radau(max_step=1, first_step=1, atol=1)).q  # noqa: B018
+    sr.simulate(slider_crank(), until=1, method=sr.Radau(max_step=np.float32(1)))
     assert set(link(advance).signatures) == known
 
 
@@ -160,7 +160,7 @@ def test_csv(tmp_path: Path) -> None:
 @pytest.mark.parametrize("wrong", [{"rtol": -1.0}, {"rtol": float("nan")}, {"atol": 0.0}, {"atol": np.inf}])
 def test_tolerances_are_positive_and_finite(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="tol must be positive and finite, but is"):
-        sr.simulate(slider_crank(), until=0.1, **wrong)  # type: ignore[arg-type]
+        sr.simulate(slider_crank(), until=0.1, method=sr.Radau(**wrong))
 
 
 def test_a_wrong_method_is_refused_in_words() -> None:

@@ -60,9 +60,7 @@ def test_a_driven_crank_has_no_dead_centre() -> None:
 
 def test_dead_centres_along_a_simulated_motion() -> None:
     system = slider_crank_in_line()
-    run = sr.simulate(
-        system, until=1.5, t_eval=np.linspace(0, 1.5, 61), rtol=1e-8, atol=1e-10, method=sr.ODE()
-    )
+    run = sr.simulate(system, until=1.5, t_eval=np.linspace(0, 1.5, 61), method=sr.ODE(rtol=1e-8, atol=1e-10))
     found = sr.singularities(system, run, inputs=["guide"])
     assert [s.kind for s in found] == ["dead centre", "dead centre"]
     slider = system.coordinates_of("slider")
@@ -74,9 +72,7 @@ def test_dead_centres_along_a_simulated_motion() -> None:
 def test_the_spatial_slider_crank() -> None:
     """Where the slider turns back its velocity vanishes."""
     system = slider_crank()
-    run = sr.simulate(
-        system, until=1.2, t_eval=np.linspace(0, 1.2, 61), rtol=1e-8, atol=1e-10, method=sr.ODE()
-    )
+    run = sr.simulate(system, until=1.2, t_eval=np.linspace(0, 1.2, 61), method=sr.ODE(rtol=1e-8, atol=1e-10))
     found = sr.singularities(system, run, inputs=["slider.x"])
     x_dot = run["slider"].velocity[:, 0]
     turns = run.t[1:][np.diff(np.sign(x_dot)) != 0]

@@ -74,7 +74,7 @@ def test_linearization_about_a_wound_state_has_the_torque_of_all_its_revolutions
     system = wheel()
     rates = sr.assemble(system, rates={"pin": 10.0})
     run = sr.simulate(
-        system, rates, until=5 * np.pi, t_eval=[5 * np.pi], method=sr.Radau(), rtol=1e-9, atol=1e-11
+        system, rates, until=5 * np.pi, t_eval=[5 * np.pi], method=sr.Radau(rtol=1e-9, atol=1e-11)
     )
     assert run.final is not None
     assert run.final.memory[0] == pytest.approx(100.0, abs=1e-4)
@@ -171,8 +171,8 @@ def test_states_off_the_constraints_are_projected_with_a_warning() -> None:
     assert abs(run.velocity_violation[0]) < 1e-9
     with pytest.warns(sr.SarrusWarning, match="rod: velocity"):
         sr.simulate(SYSTEM, replace(STARTS["assembly"](), v=skew.v), until=0.01)
-    with pytest.raises(sr.StrictError):
-        sr.simulate(SYSTEM, skew, until=0.01, strict=True)
+    with pytest.raises(sr.StrictError), sr.strict():
+        sr.simulate(SYSTEM, skew, until=0.01)
     moved = rest().q + np.array([0.1, 0, 0, 0, 0, 0, 0])
     with pytest.warns(sr.SarrusWarning, match="rod: position"):
         sr.simulate(SYSTEM, moved, until=0.01)

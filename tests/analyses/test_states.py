@@ -13,8 +13,7 @@ from tests.sensitivity.checkpoints import by_checkpoints
 import sarrus as sr
 
 RATE, ROOT = 10.0, 0.1  # rad/s at the start; sqrt(k / J)
-FINE: dict[str, Any] = {"rtol": 1e-9, "atol": 1e-11}
-RADAU: dict[str, Any] = {"method": sr.Radau(), **FINE}
+RADAU: dict[str, Any] = {"method": sr.Radau(rtol=1e-9, atol=1e-11)}
 METHODS = (sr.HHT(), sr.GeneralizedAlpha(), sr.HHT(stabilized=True), sr.Radau(), sr.ODE())
 
 
@@ -41,18 +40,18 @@ def exact(t: Any) -> Any:
 def test_angles_have_their_revolutions_for_two_times_only(method: Any) -> None:
     system = wheel()
     run = sr.simulate(
-        system, turning(system), until=7.0, t_eval=[0.0, 7.0], method=method, rtol=1e-7, atol=1e-9
+        system, turning(system), until=7.0, t_eval=[0.0, 7.0], method=replace(method, rtol=1e-7, atol=1e-9)
     )
     assert run.joint("pin").angle[-1] == pytest.approx(exact(7.0), abs=1e-2)
     assert exact(7.0) > 10 * 2 * np.pi
-    dense = sr.simulate(system, turning(system), until=7.0, method=method, rtol=1e-7, atol=1e-9)
+    dense = sr.simulate(system, turning(system), until=7.0, method=replace(method, rtol=1e-7, atol=1e-9))
     assert dense.joint("pin").angle == pytest.approx(exact(dense.t), abs=1e-2)
 
 
 @pytest.mark.parametrize("method", METHODS, ids=repr)
 def test_a_run_goes_on_from_the_end_of_another_at_its_time(method: Any) -> None:
     system = wheel()
-    fine = {"rtol": 1e-7, "atol": 1e-9, "method": method}
+    fine = {"method": replace(method, rtol=1e-7, atol=1e-9)}
     first = sr.simulate(system, turning(system), until=6.5, t_eval=[1.0], **fine)
     assert first.final is not None
     assert first.final.t == 6.5
@@ -64,7 +63,7 @@ def test_a_run_goes_on_from_the_end_of_another_at_its_time(method: Any) -> None:
 
 def test_any_time_of_a_dense_motion_and_any_output_is_a_start() -> None:
     system = wheel()
-    run = sr.simulate(system, turning(system), until=9.0, t_eval=[4.0, 9.0], dense_output=True, **RADAU)
+    run = sr.simulate(system, turning(system), until=9.0, t_eval=[4.0, 9.0], store="dense", **RADAU)
     assert run.sol
     for t in (0.0, 3.3, 4.0, 8.9999):
         state = run.state(t)
@@ -86,13 +85,13 @@ def test_events_and_responses_see_the_revolutions_of_the_start() -> None:
     assert [one.t for one in run.events] == pytest.approx([np.arcsin(0.8) / ROOT], abs=1e-6)
     assert run.final is not None
     assert run.final.t == run.events[0].t
-    kept = sr.simulate(system, start, until=10.0, store_steps=True, **RADAU)
+    kept = sr.simulate(system, start, until=10.0, store="steps", **RADAU)
     response = [sr.Final("pin.angle"), sr.Final("coil.angle")]
     found = sr.sensitivity(kept, response, ["coil.k"])
     assert found.values == pytest.approx(exact([10.0, 10.0]), abs=1e-4)
     e = 1e-6
     ends = [
-        sr.simulate(wheel(ROOT**2 + d), start, until=10.0, method=sr.Radau(), rtol=1e-11, atol=1e-13)
+        sr.simulate(wheel(ROOT**2 + d), start, until=10.0, method=sr.Radau(rtol=1e-11, atol=1e-13))
         for d in (e, -e)
     ]  # fmt: skip
     angles = [end.joint("pin").angle[-1] for end in ends]
@@ -135,11 +134,13 @@ def test_a_run_stopped_in_its_midst_goes_on_with_its_revolutions(tmp_path: Path)
 
     times = np.linspace(0.0, 9.0, 4)
     start = turning(system)
-    cut = sr.simulate(system, start, until=9.0, t_eval=times, save=folder, progress=stop, max_step=1e-3)
+    cut = sr.simulate(
+        system, start, until=9.0, t_eval=times, save=folder, progress=stop, method=sr.Radau(max_step=1e-3)
+    )
     assert cut.status == "stopped"
     assert cut.final is None or cut.final.t > 4.0
     whole = sr.resume(folder)
-    once = sr.simulate(system, start, until=9.0, t_eval=times, max_step=1e-3)
+    once = sr.simulate(system, start, until=9.0, t_eval=times, method=sr.Radau(max_step=1e-3))
     assert np.array_equal(np.asarray(whole.q), once.q)
     joints = replace(whole, joints=system.joint_coordinates).joint("pin")
     assert joints.angle == pytest.approx(once.joint("pin").angle, abs=0)
@@ -162,8 +163,8 @@ def driven() -> sr.System:
 def test_drivers_and_loads_see_the_time_of_the_start(method: Any) -> None:
     """x'' = 3 t: x = t³ / 2 with x(0) = x'(0) = 0; the run is interrupted at t = 1."""
     system = driven()
-    first = sr.simulate(system, until=1.0, method=method, rtol=1e-7, atol=1e-9)
-    run = sr.simulate(system, first.final, until=3.0, method=method, rtol=1e-7, atol=1e-9)
+    first = sr.simulate(system, until=1.0, method=replace(method, rtol=1e-7, atol=1e-9))
+    run = sr.simulate(system, first.final, until=3.0, method=replace(method, rtol=1e-7, atol=1e-9))
     assert run.t[0] == 1.0
     assert run.coordinate("slider.x") == pytest.approx(run.t**3 / 2, abs=1e-4)
     assert run.joint("pin").angle == pytest.approx(run.t**2, abs=1e-9)
@@ -172,7 +173,7 @@ def test_drivers_and_loads_see_the_time_of_the_start(method: Any) -> None:
 def test_a_run_from_an_assembly_at_another_time_starts_there() -> None:
     system = driven()
     start = sr.assemble(system, t=1.5)
-    run = sr.simulate(system, start, until=2.0, **FINE)
+    run = sr.simulate(system, start, until=2.0, **RADAU)
     assert run.t[0] == 1.5
     assert run.joint("pin").angle == pytest.approx(run.t**2, abs=1e-8)
     with pytest.raises(ValueError, match=r"until must be a time in s after the start at 1.5, but is 1"):

@@ -9,11 +9,14 @@ from scipy.integrate import solve_ivp
 from tests.patience import within_by_the_clock
 
 import sarrus as sr
+from sarrus.analyses.dynamics.step_loop.loop import IN_A_ROW
 from sarrus.analyses.dynamics.stepping.step_budget import WINDOW, WINDOWS, StepBudget, StepWatch
-from sarrus.analyses.dynamics.stepping.stepper import RunFailure
+from sarrus.analyses.dynamics.stepping.stepper import RunFailure, Settings
+from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 from sarrus.analyses.progress import TimeLimit, monitor
 
-ORDER_TWO = {"method": sr.HHT(), "rtol": 1e-6, "atol": 1e-8}
+LONG = sr.HHT(rtol=1e-6, atol=1e-8, first_step=0.002)
+ORDER_TWO = {"method": sr.HHT(rtol=1e-6, atol=1e-8)}
 
 
 def light_cart_pole(mass: float = 1e-6) -> sr.System:
@@ -44,9 +47,9 @@ def spring(k: float, m: float = 1.0) -> sr.System:
     "method", [sr.GeneralizedAlpha(1.0, stabilized=True), sr.HHT(alpha=0, stabilized=True)]
 )
 def test_a_run_that_crawls_ends_and_names_another_method(method: sr.HHT | sr.GeneralizedAlpha) -> None:
-    fine = {"rtol": 1e-8, "atol": 1e-10, "time_limit": 100.0}
+    fine = {"limits": sr.Limits(time=100.0)}
     # Steps of 1.4e-7 s: 3.5 million would lead to 1 s, which is below the limit, and 11 million to 2 s
-    run = sr.simulate(light_cart_pole(), until=2.0, method=method, **fine)
+    run = sr.simulate(light_cart_pole(), until=2.0, method=replace(method, rtol=1e-8, atol=1e-10), **fine)
     assert (run.success, run.status) == (False, "too many steps")
     assert "sr.Radau()" in run.message
     assert run.t[-1] > 0.4  # what was computed is there
@@ -55,13 +58,13 @@ def test_a_run_that_crawls_ends_and_names_another_method(method: sr.HHT | sr.Gen
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha(), sr.Radau(), sr.ODE()])
 def test_a_limit_of_steps_ends_every_method(method: sr.HHT) -> None:
-    run = sr.simulate(spring(1e4), until=10.0, method=method, max_steps=50)
+    run = sr.simulate(spring(1e4), until=10.0, method=method, limits=sr.Limits(steps=50))
     assert run.status == "too many steps"
     assert run.nsteps == 50
-    assert "max_steps=50: 50 steps were taken by t = " in run.message
+    assert "Limits(steps=50): 50 steps were taken by t = " in run.message
     assert len(run.t) < 1001
-    with pytest.raises(ValueError, match="max_steps must be 1"):
-        sr.simulate(spring(1e4), until=10.0, max_steps=0)
+    with pytest.raises(ValueError, match="steps must be 1"):
+        sr.simulate(spring(1e4), until=10.0, limits=sr.Limits(steps=0))
 
 
 def test_the_first_window_begins_at_the_start_of_the_run() -> None:
@@ -75,13 +78,15 @@ def test_the_first_window_begins_at_the_start_of_the_run() -> None:
 
 
 def test_a_fixed_step_is_the_users_choice() -> None:
-    run = sr.simulate(spring(100.0), until=1000.0, method=sr.HHT(step=1e-5), t_eval=[1000.0], time_limit=1.0)
+    run = sr.simulate(
+        spring(100.0), until=1000.0, method=sr.HHT(step=1e-5), t_eval=[1000.0], limits=sr.Limits(time=1.0)
+    )
     assert run.status == "time limit"  # 10⁸ steps would follow, and none of them is the error control's
 
 
 @pytest.mark.parametrize("k", [1e7, 3e7, 1e8, 2e8, 5e8, 1e9])
 def test_the_first_step_sees_a_stiff_spring_released_at_rest(k: float) -> None:
-    run = sr.simulate(spring(k), until=1.0, max_steps=400)
+    run = sr.simulate(spring(k), until=1.0, limits=sr.Limits(steps=400))
     assert run.history[0, 1] * np.sqrt(k) < 0.5  # ω h; it was 20 for k = 1e8
     energy = run.kinetic_energy[: len(run.t)] + 0.5 * k * (run.coordinate("b.x") - 1.0) ** 2
     assert energy.max() < 1.01 * 0.5 * k * 1e-4
@@ -89,11 +94,11 @@ def test_the_first_step_sees_a_stiff_spring_released_at_rest(k: float) -> None:
 
 def test_a_time_limit_keeps_what_was_computed(tmp_path: object) -> None:
     with within_by_the_clock(5):
-        run = sr.simulate(spring(1e8), until=10.0, time_limit=0.05)
+        run = sr.simulate(spring(1e8), until=10.0, limits=sr.Limits(time=0.05))
     assert run.status == "time limit"
     assert 0 < len(run.t) < 1001
     folder = f"{tmp_path}/run"
-    cut = sr.simulate(spring(1e5), until=5.0, time_limit=1e-3, save=folder)
+    cut = sr.simulate(spring(1e5), until=5.0, limits=sr.Limits(time=1e-3), save=folder)
     assert cut.status == "time limit"
     whole = sr.resume(folder)
     assert whole.success
@@ -104,23 +109,21 @@ def test_the_monitor_refuses_what_is_no_progress_and_no_limit() -> None:
     with pytest.raises(TypeError, match="progress must be True"), monitor(3):  # type: ignore[arg-type]
         pass
     for limit in (0.0, -1.0, float("nan")):
-        with pytest.raises(ValueError, match=r"time_limit must be a (positive|finite)"):
-            sr.simulate(spring(1e4), until=1.0, time_limit=limit)
+        with pytest.raises(ValueError, match=r"time must be a (positive|finite)"):
+            sr.simulate(spring(1e4), until=1.0, limits=sr.Limits(time=limit))
     with pytest.raises(TimeLimit, match="time limit of 1e-09 s"), monitor(None, time_limit=1e-9) as report:
         report(0.0)
 
 
 def test_energy_that_grows_from_nothing_is_a_warning() -> None:
     with pytest.warns(sr.SarrusWarning, match="total energy grew by .* more than its parts supply"):
-        run = sr.simulate(
-            spring(1e8), until=0.1, first_step=0.002, **ORDER_TWO
-        )  # ω h = 20: 400 times the energy
+        run = sr.simulate(spring(1e8), until=0.1, method=LONG)  # ω h = 20: 400 times the energy
     assert run.warnings
-    with pytest.raises(sr.StrictError):
-        sr.simulate(spring(1e8), until=0.1, first_step=0.002, **ORDER_TWO, strict=True)
-    small = {**ORDER_TWO, "atol": {"position": 1e-20, "orientation": 1e-8}}  # the same with lengths in 10¹² m
+    with pytest.raises(sr.StrictError), sr.strict():
+        sr.simulate(spring(1e8), until=0.1, method=LONG)
+    small = replace(LONG, atol={"position": 1e-20, "orientation": 1e-8})  # the same with lengths in 10¹² m
     with pytest.warns(sr.SarrusWarning, match="total energy grew by"):
-        sr.simulate(spring(1e8, 1e-12), until=0.1, first_step=0.002, **small)
+        sr.simulate(spring(1e8, 1e-12), until=0.1, method=small)
 
 
 def stiffening(**more: object) -> sr.System:
@@ -131,7 +134,7 @@ def stiffening(**more: object) -> sr.System:
 
 
 def test_energy_of_a_spring_with_a_law_grows_from_nothing_too() -> None:
-    given = {"until": 0.1, "first_step": 0.002, **ORDER_TWO}
+    given = {"until": 0.1, "method": LONG}
     with pytest.warns(sr.SarrusWarning, match="total energy grew by"):
         assert sr.simulate(stiffening(), **given).warnings
     for more in ({"force": "1e-9*t"}, {"c": 1e-9}):  # an actuator or a law for damping could put in work
@@ -139,7 +142,7 @@ def test_energy_of_a_spring_with_a_law_grows_from_nothing_too() -> None:
 
 
 def test_energy_that_grows_is_a_warning_of_saved_and_resumed_runs(tmp_path: Path) -> None:
-    system, given = spring(1e8), {"until": 0.1, "first_step": 0.002, **ORDER_TWO}
+    system, given = spring(1e8), {"until": 0.1, "method": LONG}
 
     def interrupt(t: float) -> None:
         raise KeyboardInterrupt
@@ -166,7 +169,7 @@ def test_an_explicit_method_passes_the_flip_of_a_light_cart(inertia: float) -> N
         sr.Revolute("pin", cart, pole, point=(0, 0, 0), axis=(0, -1, 0)),
     ]
     system = sr.System(sr.Model("cart", [cart, pole], joints, gravity=(0, 0, -9.81)))
-    run = sr.simulate(system, until=1.0, method=sr.ODE(), rtol=1e-8, atol=1e-10)
+    run = sr.simulate(system, until=1.0, method=sr.ODE(rtol=1e-8, atol=1e-10))
     assert run.success, run.message
     assert np.ptp(run.total_energy) < 1e-6
     assert run.coordinate("pole.z") == pytest.approx(_height(1e-6, inertia, run.t), abs=1e-5)
@@ -184,3 +187,14 @@ def _height(cart: float, inertia: float, times: np.ndarray) -> np.ndarray:
     found = solve_ivp(rate, (0, 1), [0, 0, 0, 0], "DOP853", times, rtol=1e-10, atol=1e-12)
     height: np.ndarray = -np.sin(found.y[1])
     return height
+
+
+def test_steps_that_are_rejected_without_end_end_the_run() -> None:
+    """A search for a switch, whose retaken steps did not become shorter, was a call that never returned."""
+    system = spring(1e4)
+    start = sr.assemble(system)
+    stepper = sr.Radau().stepper(system, start, Settings(Tolerances.of(system, 1e-6, 1e-9)))
+    stepper.restart(0.0, start.q, start.v, 1.0)
+    stepper._control.rejected_since = IN_A_ROW + 1
+    with pytest.raises(RunFailure, match="steps become too small near t = 0 s"):
+        stepper.advance(1.0, 10)

@@ -37,7 +37,7 @@ def cart(*forces: Any) -> sr.System:
 
 def compare(system: sr.System, until: float, method: Any, make: Callable[[], dict[str, Any]] = dict) -> None:
     plain, stored = (
-        sr.simulate(system, until=until, method=method, store_steps=store, **make())
+        sr.simulate(system, until=until, method=method, store="steps" if store else "samples", **make())
         for store in (False, True)
     )
     assert plain.success
@@ -74,7 +74,7 @@ def test_nor_with_events_and_kinks_of_tables(method: str) -> None:
 
     def events() -> dict[str, Any]:
         bounce = sr.Event("cart.x - 0.05", reset=sr.Impact(0.5))
-        return {"events": [bounce, sr.Event("arm.velocity.x")], "breakpoints": [0.77]}
+        return {"events": [bounce, sr.Event("arm.velocity.x"), 0.77]}
 
     compare(cart(load), 1.5, METHODS[method], events)
 
@@ -82,7 +82,7 @@ def test_nor_with_events_and_kinks_of_tables(method: str) -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_nor_with_jumps_of_laws(method: str) -> None:
     load = sr.Force("push", joint="rail", value="2 - 3*step(t - 0.4)")
-    compare(cart(load), 1.0, METHODS[method], lambda: {"breakpoints": [0.6]})
+    compare(cart(load), 1.0, METHODS[method], lambda: {"events": [0.6]})
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -100,7 +100,7 @@ def test_a_stiff_law_shows_where_steps_are_too_long() -> None:
 @pytest.mark.parametrize("atol", [1e-2, {"position": 0.1, "orientation": 0.1}])
 def test_tolerances_that_are_too_large_show(atol: Any) -> None:
     system = oscillator(k=400.0)
-    assert not sr.verify(sr.simulate(system, until=3.0, rtol=1e-9, atol=atol)).agree
+    assert not sr.verify(sr.simulate(system, until=3.0, method=sr.Radau(rtol=1e-9, atol=atol))).agree
     assert sr.verify(sr.simulate(system, until=3.0)).agree
 
 
@@ -124,7 +124,9 @@ def test_runs_with_events_are_verified() -> None:
 
 
 def test_a_run_with_an_error_goal_is_verified_from_its_last_tolerances() -> None:
-    run = sr.simulate(oscillator(k=9.0), until=1.0, rtol=1e-3, error={"block.x": 1e-7})
+    run = sr.simulate(
+        oscillator(k=9.0), until=1.0, method=sr.Radau(rtol=1e-3), limits=sr.Limits(errors={"block.x": 1e-7})
+    )
     found = sr.verify(run, "block.x")
     assert found.agree
     assert abs(found.values[0].difference) < 1e-7
@@ -159,7 +161,7 @@ def test_saved_runs_are_verified(tmp_path: Path) -> None:
     """By the model and the options in their folder."""
     system, bounce = bouncing()
     folder = tmp_path / "bounces.sarrus"
-    run = sr.simulate(system, until=0.8, events=bounce, rtol=1e-4, save=folder)
+    run = sr.simulate(system, until=0.8, events=bounce, method=sr.Radau(rtol=1e-4), save=folder)
     for saved in (
         run,
         sr.load_run(folder),
@@ -179,7 +181,7 @@ def test_saved_runs_are_verified(tmp_path: Path) -> None:
 
 def test_the_tolerances_of_a_saved_run_are_its_own(tmp_path: Path) -> None:
     folder = tmp_path / "coarse.sarrus"
-    sr.simulate(oscillator(k=400.0), until=3.0, atol=1e-2, save=folder)
+    sr.simulate(oscillator(k=400.0), until=3.0, method=sr.Radau(atol=1e-2), save=folder)
     assert not sr.verify(sr.load_run(folder)).agree
 
 
@@ -218,6 +220,6 @@ def test_what_cannot_be_repeated_is_refused() -> None:
         sr.verify(run, wrt=["spring.k"])
     with pytest.raises(ValueError, match="factor must be less than 1"):
         sr.verify(run, factor=10.0)
-    stopped = sr.simulate(oscillator(k=9.0), until=10.0, max_steps=2)
+    stopped = sr.simulate(oscillator(k=9.0), until=10.0, limits=sr.Limits(steps=2))
     with pytest.raises(ValueError, match="this analysis failed"):
         sr.verify(stopped)

@@ -20,6 +20,7 @@ ANALYSES = [
     if isinstance(getattr(sr, name), types.FunctionType)
     and getattr(sr, name).__module__.startswith(("sarrus.analyses", "sarrus.studies"))
 ]
+FORMER = ("sensitivity_by_checkpoints", "verify_workspace")  # deprecated names
 MESSAGE = "rod: something is odd. Look at it."
 
 
@@ -36,11 +37,33 @@ def odd(t: float = 0.0) -> None:
     announce([MESSAGE])
 
 
-@pytest.mark.parametrize("name", ANALYSES)
-def test_every_analysis_can_be_strict(name: str) -> None:
-    if name in ("open_study",):
-        return
-    assert inspect.signature(getattr(sr, name)).parameters["strict"].default is False
+@pytest.mark.parametrize("name", [name for name in ANALYSES if name not in ("open_study", *FORMER)])
+def test_every_analysis_accepts_the_deprecated_keyword(name: str) -> None:
+    """Before its arguments are looked at, so that wrong ones do here."""
+    assert "strict" not in inspect.signature(getattr(sr, name)).parameters
+    told = r"strict= is deprecated\. Use a block `with sr.strict\(\):`"
+    with pytest.warns(DeprecationWarning, match=told), pytest.raises((TypeError, ValueError)):
+        getattr(sr, name)(strict=True)
+
+
+def test_the_deprecated_keyword_is_that_block() -> None:
+    with (
+        pytest.warns(DeprecationWarning, match="strict= is deprecated") as seen,
+        pytest.raises(sr.StrictError, match="rod: something is odd"),
+    ):
+        sr.simulate(slider(), until=0.1, progress=odd, strict=True)  # type: ignore[call-arg]
+    assert seen[0].filename == __file__
+
+
+def test_strict_is_of_a_block_and_of_its_thread() -> None:
+    with pytest.raises(sr.StrictError), sr.strict():
+        announce([MESSAGE])
+    with pytest.warns(sr.SarrusWarning, match="odd"):
+        announce([MESSAGE])
+    with pytest.warns(sr.SarrusWarning, match="odd"), sr.strict(), sr.strict(False):
+        announce([MESSAGE])
+    with pytest.raises(TypeError, match="strict must be True or False"), sr.strict(1):  # type: ignore[arg-type]
+        pass
 
 
 def test_every_result_has_warnings() -> None:
@@ -64,13 +87,13 @@ def test_a_warning_is_issued_once_and_printed_with_the_result() -> None:
 
 
 def test_a_strict_analysis_raises() -> None:
-    with pytest.raises(sr.StrictError, match="rod: something is odd"):
-        sr.simulate(slider(), until=0.1, progress=odd, strict=True)
+    with pytest.raises(sr.StrictError, match="rod: something is odd"), sr.strict():
+        sr.simulate(slider(), until=0.1, progress=odd)
 
 
 def test_nothing_is_left_behind_by_an_analysis_that_raised() -> None:
-    with pytest.raises(sr.StrictError):
-        sr.simulate(slider(), until=0.1, progress=odd, strict=True)
+    with pytest.raises(sr.StrictError), sr.strict():
+        sr.simulate(slider(), until=0.1, progress=odd)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert sr.simulate(slider(), until=0.1).warnings == ()

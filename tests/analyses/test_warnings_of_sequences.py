@@ -18,8 +18,8 @@ from sarrus.results import Product, ResultList, Singularities
 )
 def test_such_a_result_keeps_the_warnings_of_its_analysis(found: Any) -> None:
     @reports_warnings
-    def analysis(strict: bool = False) -> Any:
-        announce(["m: something is odd."], strict=strict)
+    def analysis() -> Any:
+        announce(["m: something is odd."])
         return found
 
     with pytest.warns(sr.SarrusWarning, match="something is odd"):

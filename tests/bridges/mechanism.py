@@ -13,7 +13,7 @@ def problem() -> sr.Problem:
     """Two responses of the slider-crank by three numbers."""
     wanted = [sr.Final("slider.x", name="last place"), sr.Integral("energy.kinetic", name="work")]
     names = ["spring.k", "rod.mass", "pin.point.y"]
-    return sr.Problem(slider_crank(), wanted, names, until=0.4, rtol=1e-8, atol=1e-10)
+    return sr.Problem(slider_crank(), wanted, names, until=0.4, method=sr.Radau(rtol=1e-8, atol=1e-10))
 
 
 def second_of_square_times() -> np.ndarray:

@@ -37,7 +37,7 @@ def test_partials() -> None:
 
 def test_a_driver_finds_what_optimize_finds() -> None:
     effort = sr.Integral(lambda o: o("slider.velocity.x") ** 2, name="effort")
-    settings = {"until": 1.0, "rtol": 1e-5, "atol": 1e-7}
+    settings = {"until": 1.0, "method": sr.Radau(rtol=1e-5, atol=1e-7)}
     whole = group(sr.Problem(slider_crank(), effort, ["spring.k", "spring.c"], **settings))
     bounds = {"spring.k": (5.0, 40.0), "spring.c": (0.5, 5.0)}
     whole.driver = om.ScipyOptimizeDriver(optimizer="SLSQP", tol=1e-8, disp=False)

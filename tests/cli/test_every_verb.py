@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import sarrus as sr
 from sarrus.cli import VERBS, main
 from sarrus.cli.parser import build
 
@@ -44,6 +45,17 @@ parameters: {s1.k: {from: 8, to: 12}}
 minimize: integral(lower.y**2)
 analysis: {type: simulate, until: 0.05}
 """
+TRAILING_ARM = """
+name: trailing arm
+bodies: {arm: {mass: 10, inertia: [1, 1, 1], position: [-0.4, 0.6, 0]}}
+joints: {pivot: {type: revolute, bodies: [ground, arm], point: [0, 0.5, 0], axis: [0, 1, 0]}}
+"""
+RIG = """
+model: trailing_arm.yaml
+wheels:
+  left: {carrier: arm, centre: [-0.4, 0.7, 0], spindle: [-0.4, 0.6, 0], radius: 0.3}
+steps: 2
+"""
 LINES = {verb: f"{verb} arm.yaml" for verb in VERBS} | {  # a line for each verb that takes more than a model
     "demo": "demo --output plots",
     "run": "run arm.yaml --until 0.05 --steps 5",
@@ -55,8 +67,10 @@ LINES = {verb: f"{verb} arm.yaml" for verb in VERBS} | {  # a line for each verb
     "study": "study study.yaml --workers 1",
     "sensitivity": "sensitivity sprung.yaml --until 0.05 --response lower.x --wrt s1.k",
     "optimize": "optimize best.yaml",
+    "suspension": "suspension rig.yaml",
     "convert": "convert arm.yaml copy.json",
     "schema": "schema",
+    "tyre": "tyre car.tir",
     "compile": "compile sprung.yaml --method radau",
     "completion": "completion bash",
 }
@@ -65,8 +79,10 @@ LINES = {verb: f"{verb} arm.yaml" for verb in VERBS} | {  # a line for each verb
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     files = {"arm": ARM, "driven": ARM + DRIVERS, "sprung": ARM + SPRINGS, "study": STUDY, "best": OPTIMIZE}
+    files |= {"trailing_arm": TRAILING_ARM, "rig": RIG}
     for name, text in files.items():
         (tmp_path / f"{name}.yaml").write_text(text)
+    sr.load_tyre("passenger_car").save(tmp_path / "car.tir")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -104,7 +120,7 @@ def test_misuse_of_every_verb_is_one_sentence_and_code_2(
 def test_a_missing_file_is_code_2_in_words_and_in_json(
     verb: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = [word.replace(".yaml", "_none.yaml") for word in LINES[verb].split()]
+    words = [word.replace(".yaml", "_none.yaml").replace(".tir", "_none.tir") for word in LINES[verb].split()]
     assert main([*words, "--json"]) == 2
     told = capsys.readouterr()
     assert "does not exist" in told.err

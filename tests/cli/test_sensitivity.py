@@ -28,7 +28,7 @@ def test_influences_are_ranked_and_drawn(tmp_path: Path, capsys: pytest.CaptureF
     assert figure.stat().st_size > 10_000
     assert main(["sensitivity", CRANK, *SHORT, *wanted, "--json", "-q"]) == 0
     found = json.loads(capsys.readouterr().out)
-    run = sr.simulate(sr.System(load(CRANK)), until=0.3, rtol=1e-5, atol=1e-7, store_steps=True)
+    run = sr.simulate(sr.System(load(CRANK)), until=0.3, method=sr.Radau(rtol=1e-5, atol=1e-7), store="steps")
     direct = sr.sensitivity(run, "slider.x", found["names"], method="direct")
     assert np.allclose(found["responses"]["slider.x"]["gradient"], direct.matrix[0], rtol=1e-8, atol=1e-12)
     assert found["responses"]["slider.x"]["ranked"][:3] == direct.ranked()[:3]
@@ -100,7 +100,9 @@ analysis: {type: simulate, until: 1.0, rtol: 1e-5, atol: 1e-7}
 
 def written(folder: Path, text: str) -> Path:
     (folder / "crank.yaml").write_text(Path(CRANK).read_text())
-    run = sr.simulate(sr.System(load(CRANK)), until=1.0, t_eval=np.linspace(0, 1, 21), rtol=1e-7, atol=1e-9)
+    run = sr.simulate(
+        sr.System(load(CRANK)), until=1.0, t_eval=np.linspace(0, 1, 21), method=sr.Radau(rtol=1e-7, atol=1e-9)
+    )
     run.to_csv(folder / "data.csv")
     (folder / "best.yaml").write_text(text)
     return folder / "best.yaml"
@@ -120,8 +122,7 @@ def test_best_numbers_from_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[
         until=1.0,
         bounds=bounds,
         constraints=[limit],
-        rtol=1e-5,
-        atol=1e-7,
+        method=sr.Radau(rtol=1e-5, atol=1e-7),
     )
     assert found["objective"] == pytest.approx(same.value, rel=1e-3)
     assert found["constraints"]["last"] == pytest.approx(-1.0, abs=1e-4)
@@ -245,16 +246,13 @@ def test_a_missing_column_is_named(tmp_path: Path) -> None:
 
 def test_the_shell_has_the_tolerances_of_python() -> None:
     """One default, from one place, of everything that simulates: that of the method."""
-    from inspect import signature
-
-    from sarrus.analyses.dynamics.recipe import rtol_of
+    from sarrus.cli import shared
     from sarrus.cli.parser import build
     from sarrus.defaults import ATOL, RTOL, RTOL_OF_ORDER_2
 
-    for function in (sr.simulate, sr.Problem, sr.Simulation):
-        known = signature(function).parameters
-        assert (known["rtol"].default, known["atol"].default) == (None, ATOL), function
     for line in (["run", "slider_crank"], ["sensitivity", "slider_crank", "--response", "slider.x"]):
         chosen = build(line[:1]).parse_args(line)
-        assert (chosen.rtol, chosen.atol) == (None, ATOL)
-    assert (rtol_of(sr.Radau(), None), rtol_of(sr.HHT(), None)) == (RTOL, RTOL_OF_ORDER_2)
+        assert shared.method_of(chosen) == sr.Radau()
+        chosen = build(line[:1]).parse_args([*line, "--method", "hht", "--rtol", "1e-4", "--atol", "1e-5"])
+        assert shared.method_of(chosen) == sr.HHT(rtol=1e-4, atol=1e-5)
+    assert (sr.Radau().rtol, sr.HHT().rtol, sr.Radau().atol) == (RTOL, RTOL_OF_ORDER_2, ATOL)

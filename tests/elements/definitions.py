@@ -7,6 +7,7 @@ import math
 
 import mpmath
 import numpy as np
+from tests.elements.states import SURFACE
 from tests.paper.paper import A, vec
 
 from sarrus import elements as el
@@ -339,17 +340,51 @@ def friction(e, u):
     return e.load * mu * mpmath.tanh(u / e.creep) + e.viscous * u
 
 
-def _tyre_depth(e, q, profile, bump):
+def _hermite(u, width, left, right):
+    """The cubic with a value and a slope at either end."""
+    (z_0, s_0), (z_1, s_1) = left, right
+    chord = (z_1 - z_0) / width
+    return z_0 + u * (
+        s_0 + u * ((3 * chord - 2 * s_0 - s_1) / width + u * (s_0 + s_1 - 2 * chord) / width**2)
+    )
+
+
+def _surface(numbers, x, y):
+    """A surface of 3 x 3 points, continued by its tangents."""
+
+    def along(knots, x, nodes):
+        if not knots[0] <= x <= knots[-1]:
+            at, (z, slope) = (knots[0], nodes[0]) if x < knots[0] else (knots[-1], nodes[-1])
+            return z + slope * (x - at)
+        k = int(x > knots[1])
+        return _hermite(x - knots[k], knots[k + 1] - knots[k], *nodes[k : k + 2])
+
+    in_x, in_y, nodes = numbers[2:5], numbers[5:8], np.reshape([*map(mpmath.mpf, numbers[8:])], (3, 3, 2, 2))
+    lines = [[along(in_y, y, [node[:, at] for node in line]) for at in (0, 1)] for line in nodes]
+    return along(in_x, x, lines)
+
+
+def _tyre_depth(e, q, height, bump):
     P = q[:3] + A(q[3:]) @ e.s
-    return e.radius - (P[2] - (e.road + profile(P[0]) + bump))
+    return e.radius - (P[2] - (e.road + height(P) + bump))
 
 
 def road_tyre(e, state):
     """The road's height under the wheel changes as the wheel moves and as time passes."""
-    profile, bump, q = state.store[:12], state.store[12:24], state.operands["q"]
+    profile, bump = state.store[:12], state.store[12:24]
+    return _on_road(e, state, lambda P: _curve(profile, P[0]), bump)
+
+
+def surface_tyre(e, state):
+    """The road's height under the wheel depends on both of its horizontal coordinates."""
+    return _on_road(e, state, lambda P: _surface(state.store[-len(SURFACE) :], P[0], P[1]), state.store[:12])
+
+
+def _on_road(e, state, height, bump):
+    q = state.operands["q"]
 
     def depth(q, t):
-        return _tyre_depth(e, q, lambda x: _curve(profile, x), _curve(bump, t))
+        return _tyre_depth(e, q, height, _curve(bump, t))
 
     t, one = state.operands["t"], state.operands["t"] ** 0
     rate = state.difference(lambda s: depth(s.operands["q"], t), "q", state.operands["v"])
@@ -462,6 +497,7 @@ FORCES = {
     el.VaryingTorque: varying_torque,
     el.VaryingBodyTorque: varying_body_torque,
     el.RoadTyre: road_tyre,
+    el.SurfaceTyre: surface_tyre,
     el.LengthStop: _stop(_length),
     el.DisplacementStop: _stop(_stop_displacement),
     el.AngleStop: _stop(rsda_turned),
@@ -482,5 +518,6 @@ DEPTHS = {  # of contacts: the field that moves the depth, and the depth by (e, 
     el.DisplacementStop: ("limit", lambda e, q, t: e.sign * (_reduced_displacement(e, q) - e.limit)),
     el.AngleStop: ("limit", lambda e, q, t: e.sign * (rsda_turned(e, q) - e.limit)),
     el.SphereContact: ("radius", lambda e, q, t: sphere_depth(e, q)),
-    el.RoadTyre: ("radius", lambda e, q, t: _tyre_depth(e, q, e.profile, e.bump(t))),
+    el.RoadTyre: ("radius", lambda e, q, t: _tyre_depth(e, q, lambda P: e.profile(P[0]), e.bump(t))),
+    el.SurfaceTyre: ("radius", lambda e, q, t: _tyre_depth(e, q, lambda P: e.surface(*P[:2]), e.bump(t))),
 }

@@ -1,7 +1,7 @@
 """Elements that only the tests have: what no built-in one does. They are compiled and checked like those.
 
 Time in a constraint, coded and differentiated automatically; three and four bodies, one of them met twice; a force
-with nothing but its formula, every function that kernels may call, a curve, a stored formula and memory.
+with nothing but its formula, every function that kernels may call, tables, a stored formula and memory.
 """
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from sarrus import functions as f
 from sarrus.algebra import I3, I4, row
 from sarrus.elements import Element, Force, Primitive
-from sarrus.elements.element import Curve, Memory, Scalar, Time, Vec3
+from sarrus.elements.element import Curve, Memory, Scalar, Surface, Time, Vec3
 from sarrus.euler import rotate
 
 ZERO3, ZERO4 = row(np.zeros(3, dtype=int)), row(np.zeros(4, dtype=int))
@@ -102,10 +102,11 @@ class Tangle(Force, bodies=4, derivatives="automatic"):
 
 
 class Strained(Force, bodies=2, derivatives="automatic"):
-    """Q alone, of every function that kernels may call, a curve, a formula, the time, and something remembered."""
+    """Q alone, of every function that kernels may call, tables, a formula, the time, and something remembered."""
 
     k: Scalar
     law: Curve
+    surface: Surface
     formula: Curve
     memory: Memory
 
@@ -121,6 +122,7 @@ class Strained(Force, bodies=2, derivatives="automatic"):
 
     def Q(self, x, v, t):
         size = self._size(x, v, t) + self.law(3 * (x.r_i[0] + v.r_j[1]) / 8) * self.formula(x.r_j[0] / 8)
+        size = size + self.surface(x.r_i[1] * x.r_j[1] / 2, v.r_i[0] - x.r_j[2])
         return size * (v.r_i + t * x.r_j), None, None, size * v.p_i
 
 

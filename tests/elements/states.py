@@ -43,7 +43,7 @@ HIGH_DEGREE = ("DisplacementInertia",)  # polynomials above the fourth degree: d
 POLYNOMIAL = {"constant", "input", "add", "sub", "mul", "neg"}
 BODY = ("q", "xi", "eta", "v", "a")
 POSITIVE = ("width", "creep", "stribeck")  # fields that a model holds positive
-FIXED = ("Curve", "Memory")  # fields that no operator differentiates by
+FIXED = ("Curve", "Surface", "Memory")  # fields that no operator differentiates by
 # Three curves of two cubics: count, knots, coefficients. The pieces need not even meet.
 CURVES = (
     2,
@@ -94,11 +94,14 @@ def _law(x):
 
 
 FORMULA = program(_law)  # stored behind the curves, for fields of the name "formula"
+# A surface of 2 x 2 cells, stored behind the formula: counts, knots, which are off all places of states and exact in
+# floats, and numbers of nodes
+SURFACE = (3, 3, -1.25, 0.125, 1.875, -1.375, 0.25, 1.625, *((7 * n % 11) - 5 for n in range(36)))
 
 
 @dataclass(frozen=True)
 class State:
-    """A state of one element; `store` holds its curves."""
+    """A state of one element; `store` holds its curves and surfaces."""
 
     kind: Any
     arithmetic: str
@@ -216,12 +219,13 @@ def state(kind, arithmetic, seed=0):
     curved = [name for name, field in kind.fields.items() if field == "Curve"]
     for n, (place, name) in enumerate(zip(curves, curved, strict=True)):
         numbers[place] = len(CURVES) if name == "formula" else len(CURVES) // 3 * n
+    numbers[fields(kind) == "Surface"] = len(CURVES) + len(FORMULA)
     for n, field in enumerate(names(kind)):
         if field in POSITIVE:
             numbers[n] = abs(numbers[n])
         if field == "exponent":
             numbers[n] = 1 + abs(numbers[n])
-    return State(kind, arithmetic, operands, numbers, (*CURVES, *FORMULA))
+    return State(kind, arithmetic, operands, numbers, (*CURVES, *FORMULA, *SURFACE))
 
 
 def on_sphere(of):

@@ -60,7 +60,7 @@ def test_every_element_has_a_definition():
 def test_which_elements_are_polynomial():
     """All others have a root, an angle or a function in them; a division that sneaks in elsewhere is noticed here."""
     rooted = "TSDA NonlinearTSDA RSDA NonlinearRSDA LengthStop DisplacementStop AngleStop SphereContact Drag"
-    curved = "VaryingForce VaryingFollowerForce VaryingTorque VaryingBodyTorque RoadTyre"
+    curved = "VaryingForce VaryingFollowerForce VaryingTorque VaryingBodyTorque RoadTyre SurfaceTyre"
     other = "AngleFriction DisplacementFriction Bushing AngleInertia DisplacementInertia"
     joints = "Heading Angle AngleAngle DisplacementAngle Screw AngleDriver"
     joints += " DisplacementDriver DistanceDriver CoordinateDriver"

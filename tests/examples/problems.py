@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -45,7 +46,9 @@ def system(name: str) -> sr.System:
 def exactly(name: str, until: float, times: Array | None = None) -> sr.Trajectory:
     """The motion to about ten digits."""
     method = sr.ODE("DOP853")
-    return sr.simulate(system(name), until=until, t_eval=times, method=method, rtol=1e-10, atol=1e-12)
+    return sr.simulate(
+        system(name), until=until, t_eval=times, method=replace(method, rtol=1e-10, atol=1e-12)
+    )
 
 
 def instant(name: str) -> sr.Trajectory:

@@ -50,7 +50,7 @@ def four_bar_constant(n: int) -> float:
 def test_four_bars_turn_over(n: int) -> None:
     """The time to an angle is the integral of dθ/θ̇, θ̇² = 1 + 2c (1 - cos θ)."""
     made = sr.System(runpy.run_path(str(FOLDER / "four_bars.py"))["four_bars"](n))
-    run = sr.simulate(made, until=0.5, method=sr.ODE("DOP853"), rtol=1e-10, atol=1e-12)
+    run = sr.simulate(made, until=0.5, method=sr.ODE("DOP853", rtol=1e-10, atol=1e-12))
     x, y, _ = 2 * run["upright_0"].position[-1]
     c = four_bar_constant(n)
     time, _ = quad(lambda theta: 1 / np.sqrt(1 + 2 * c * (1 - np.cos(theta))), 0, np.arctan2(x, y))
@@ -233,7 +233,7 @@ def test_a_free_symmetric_body_turns_as_kane_says() -> None:
     names = [f"{group}.{letter}" for group in "Jw" for letter in "xyz"]
     model = sr.load(FOLDER / "free_body.yaml", parameters=dict(zip(names, (*moments, x, y, z))))
     run = sr.simulate(
-        sr.System(model), until=2.0, t_eval=[1.0, 2.0], method=sr.ODE("DOP853"), rtol=1e-11, atol=1e-12
+        sr.System(model), until=2.0, t_eval=[1.0, 2.0], method=sr.ODE("DOP853", rtol=1e-11, atol=1e-12)
     )
     p, s = np.sqrt(x**2 + y**2 + (z / 2) ** 2), z / 2
     a, b, c = p * run.t / 2, s * run.t / 2, z / 2 / p

@@ -70,6 +70,7 @@ def test_torque_history(tmp_path: Path) -> None:
     assert drawn(tmp_path) == {"torque_history.png"}
 
 
+@pytest.mark.filterwarnings("ignore:.*switches crowd")
 def test_hmmwv_ride(tmp_path: Path) -> None:
     script = of("hmmwv_ride")
     free, limited = script["main"](tmp_path, iterations=10)
@@ -88,3 +89,31 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
         found = script["estimate"](script["measurements"](seed), script["UNKNOWN"])
         held += sum(low < script["TRUE"][n] < high for n in found.names for low, high in [found.interval(n)])
     assert held >= 17
+
+
+def test_tie_rod(tmp_path: Path) -> None:
+    """The best inner joint leaves less than a hundredth of the toe; the first is the published suspension."""
+    before, best, after = of("tie_rod")["main"](tmp_path)
+    assert best.success
+    assert np.degrees(before["toe"])[[0, -1]] == pytest.approx([-1.6482, 1.2708], abs=5e-5)
+    assert abs(np.degrees(after["toe"])).max() < 0.005
+    assert best.x == pytest.approx([0.225547, 0.102806], abs=2e-5)
+    assert drawn(tmp_path) == {"tie_rod.png", "tie_rod-sheet.png"}
+
+
+def test_lane_change(tmp_path: Path) -> None:
+    """The car misses all cones, and its model and its motion are drawn."""
+    result = of("lane_change")["main"](tmp_path)
+    assert min(result[f"margin_{n}"] for n in (1, 2, 3)) > 0.05
+    assert drawn(tmp_path) == {"lane_change.png", "lane_change-car.png", "lane_change.html"}
+
+
+def test_a_tyre_from_measurements(tmp_path: Path) -> None:
+    """Of 25 intervals, 95 % hold the true coefficient, give or take two; the residuals are the noise."""
+    script = of("tyre_from_measurements")
+    true, found = script["main"](tmp_path)
+    held = [low < true.coefficients[n] < high for n in found.names for low, high in [found.interval(n)]]
+    assert sum(held) >= 22
+    for name, noise in script["NOISE"].items():
+        assert np.sqrt(np.mean(found.residuals[name] ** 2)) == pytest.approx(noise, rel=0.05)
+    assert drawn(tmp_path) == {"tyre_from_measurements.png"}

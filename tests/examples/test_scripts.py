@@ -85,7 +85,7 @@ def test_implicit_midpoint(tmp_path: Path) -> None:
     assert energy["HHT"].min() < -0.05
     assert [len(run.events) for run in runs.values()] == [26, 26]  # every 1.93 s
     system = next(iter(runs.values())).system
-    exact = sr.simulate(system, until=1.0, method=sr.Radau(), rtol=1e-9, atol=1e-11, store_steps=True)
+    exact = sr.simulate(system, until=1.0, method=sr.Radau(rtol=1e-9, atol=1e-11), store="steps")
     response, numbers = sr.Final("rod.x"), [*gradient.names]
     assert sr.sensitivity(exact, response, numbers).matrix == pytest.approx(gradient.matrix, rel=0.05)
     assert sr.hessian(exact, response, numbers).matrix == pytest.approx(hessian.matrix, rel=0.05)
@@ -98,8 +98,9 @@ def test_bdf2(tmp_path: Path) -> None:
     assert run.success
     assert len(run.events) == 2
     stop = sr.Event("rod.x", direction=-1, reset=sr.Impact(0.6), name="stop")
-    tight = {"rtol": 1e-9, "atol": 1e-11, "store_steps": True}
-    exact = sr.simulate(run.system, until=2.0, method=sr.Radau(), events=stop, **tight)
+    exact = sr.simulate(
+        run.system, until=2.0, method=sr.Radau(rtol=1e-9, atol=1e-11), events=stop, store="steps"
+    )
     found = sr.sensitivity(exact, sr.Final("pin.angle"), [*gradient.names])
     assert gradient.values == pytest.approx(found.values, rel=1e-3)
     assert gradient.matrix == pytest.approx(found.matrix, rel=0.02)

@@ -6,4 +6,4 @@ import sarrus as sr
 
 
 def precise(system: sr.System, **given: Any) -> sr.Trajectory:
-    return sr.simulate(system, rtol=1e-10, atol=1e-12, **given)
+    return sr.simulate(system, method=sr.Radau(rtol=1e-10, atol=1e-12), **given)

@@ -38,7 +38,9 @@ def by_hand() -> list[sr.Force]:
 
 
 def run_of(*forces: sr.Force) -> sr.Trajectory:
-    return sr.simulate(sr.System(cam(*forces)), until=1.0, rtol=1e-10, atol=1e-12, store_steps=True)
+    return sr.simulate(
+        sr.System(cam(*forces)), until=1.0, method=sr.Radau(rtol=1e-10, atol=1e-12), store="steps"
+    )
 
 
 def test_it_acts_on_all_bodies_of_the_formula() -> None:
@@ -88,7 +90,7 @@ def test_functions_and_files(tmp_path: object) -> None:
     path = tmp_path / "cam.yaml"  # type: ignore[operator]
     cam(along()).save(path)
     assert "along: " in path.read_text()
-    run = sr.simulate(sr.System(sr.load(path)), until=1.0, rtol=1e-10, atol=1e-12)
+    run = sr.simulate(sr.System(sr.load(path)), until=1.0, method=sr.Radau(rtol=1e-10, atol=1e-12))
     assert run["pin.angle"][-1] == pytest.approx(wanted, abs=1e-8)
 
 

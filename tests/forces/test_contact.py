@@ -42,7 +42,9 @@ def test_a_sliding_ball_comes_to_roll() -> None:
         "touch", body.point(0, 0, 0), FLOOR, radius=0.1, stiffness=1e6, damping=0.5, mu=0.2, creep=1e-4
     )
     model = sr.Model("m", [body], forces=[touch], gravity=(0, 0, -9.81))
-    run = sr.simulate(sr.System(model), until=0.5, t_eval=[0.1, 0.2, 0.5], rtol=1e-8, atol=1e-10)
+    run = sr.simulate(
+        sr.System(model), until=0.5, t_eval=[0.1, 0.2, 0.5], method=sr.Radau(rtol=1e-8, atol=1e-10)
+    )
     speed, spin = run["ball"].velocity[:, 0], run["ball"].angular_velocity_body[:, 1]
     assert speed[:2] == pytest.approx([2 - 0.2 * 9.81 * t for t in (0.1, 0.2)], abs=2e-3)
     assert speed[2] == pytest.approx(2.0 * 5 / 7, rel=2e-3)
@@ -56,7 +58,7 @@ def test_a_ball_in_a_soft_plane_rolls_on_its_own_radius() -> None:
         "touch", body.point(0, 0, 0), FLOOR, radius=0.1, stiffness=2e3, damping=0.5, mu=0.3, creep=1e-4
     )
     model = sr.Model("m", [body], forces=[touch], gravity=(0, 0, -9.81))
-    run = sr.simulate(sr.System(model), until=0.6, t_eval=[0.6], rtol=1e-8, atol=1e-10, method=sr.Radau())
+    run = sr.simulate(sr.System(model), until=0.6, t_eval=[0.6], method=sr.Radau(rtol=1e-8, atol=1e-10))
     speed, spin = run["ball"].velocity[-1, 0], run["ball"].angular_velocity_body[-1, 1]
     assert speed == pytest.approx(5 / 7, rel=1e-5)
     assert spin * 0.1 == pytest.approx(speed, rel=1e-5)

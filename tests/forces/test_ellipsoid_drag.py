@@ -38,7 +38,7 @@ def test_every_operator() -> None:
 @pytest.mark.slow
 def test_derivatives_of_a_run_by_all_parameters() -> None:
     """Also by semi-axes, of which areas, moments and added masses are functions."""
-    options = {"until": 0.3, "store_steps": True, "rtol": 1e-10}
+    options = {"until": 0.3, "store": "steps", "method": sr.Radau(rtol=1e-10)}
     given = {**LAW, "blunt_drag": 0.5, "slender_drag": 0.25, "angular_drag": 1.5, "kutta_lift": 1.0}
     given |= {"magnus_lift": 1.0, "semiaxes": (0.1, 0.2, 0.3)}
     names = [*(f"drag.{name}" for name in given if name != "semiaxes"), "drag.semiaxes.x", "drag.semiaxes.y"]
@@ -60,7 +60,7 @@ def test_derivatives_of_a_run_by_all_parameters() -> None:
 
 
 def test_added_masses_are_parameters_where_they_are_given() -> None:
-    run = sr.simulate(body_in_fluid(), until=0.01, store_steps=True)
+    run = sr.simulate(body_in_fluid(), until=0.01, store="steps")
     with pytest.raises(UnknownParameter, match="Give added_mass to differentiate by it"):
         sr.sensitivity(run, sr.Final("a.x"), ["drag.added_mass.x"])
     for field in ("added_mass", "added_inertia"):
@@ -83,7 +83,9 @@ def test_a_sphere_that_falls() -> None:
 
 def test_lift_and_added_mass_do_no_work() -> None:
     """Without drag the kinetic energy of a body that tumbles is constant, and a wind only carries it along."""
-    run = sr.simulate(body_in_fluid(wind=(0, 0, 0), viscosity=0.0, **NO_DRAG), until=2.0, rtol=1e-9)
+    run = sr.simulate(
+        body_in_fluid(wind=(0, 0, 0), viscosity=0.0, **NO_DRAG), until=2.0, method=sr.Radau(rtol=1e-9)
+    )
     energy = run["energy.kinetic"]
     np.testing.assert_allclose(energy, energy[0], rtol=1e-7)
     assert np.ptp(run["a.velocity.x"]) > 0.5  # it does not move on a straight line
@@ -93,7 +95,7 @@ def test_lift_and_added_mass_do_no_work() -> None:
 def test_a_wind_is_a_motion_of_the_observer() -> None:
     """With the velocities of the wind added, positions differ by the way of the wind."""
     wind = np.array([0.3, -0.2, 0.1])
-    given = {"until": 1.0, "rtol": 1e-9}
+    given = {"until": 1.0, "method": sr.Radau(rtol=1e-9)}
     still = sr.simulate(body_in_fluid(wind=(0, 0, 0)), **given)
     blown = sr.simulate(
         body_in_fluid(wind=tuple(wind), velocity=tuple(np.add(MOTION["velocity"], wind))), **given

@@ -18,7 +18,7 @@ from sarrus.model.forces.formula_element import FormulaLoad
 
 G, M, R, I = 9.81, 2.0, 0.5, 0.2  # of the arm: gravity, mass, distance of its centre, inertia about it
 TABLE = [[-20.0, 9.0], [-5.0, 7.0], [0.0, 6.0], [3.0, 5.0], [8.0, 1.0], [20.0, -8.0]]
-TOL: dict[str, Any] = {"rtol": 1e-11, "atol": 1e-12}
+TOL: dict[str, Any] = {"method": sr.Radau(rtol=1e-11, atol=1e-12)}
 
 
 def arm(*forces: Any, drag: Any = None) -> sr.Model:
@@ -223,7 +223,7 @@ def test_parameters_whose_names_are_equal_to_python_keep_their_values() -> None:
     model = arm(motor(value=f"{' + 2*'.join(names)}", parameters=names))
     system = sr.System(model)
     assert system.Q(system.q0, system.v0, 0.0)[6] / 2 == pytest.approx(41)
-    run = sr.simulate(system, until=0.1, store_steps=True)
+    run = sr.simulate(system, until=0.1, store="steps")
     found = sr.sensitivity(run, sr.Final("pin.angle"), [f"motor.parameters.{name}" for name in names])
     assert found.matrix[0, 1] == pytest.approx(2 * found.matrix[0, 0], rel=1e-9)
 
@@ -254,7 +254,7 @@ def test_gradients_agree_with_each_other_and_with_differences() -> None:
 
     model = whole()
     known = written_numbers(model)
-    run = sr.simulate(sr.System(model), until=1.0, **TOL, store_steps=True)
+    run = sr.simulate(sr.System(model), until=1.0, **TOL, store="steps")
     response = sr.Final("pin.angle")
     adjoint = sr.sensitivity(run, response, wrt=WRT)
     direct = sr.sensitivity(run, response, wrt=WRT, method="direct")
@@ -279,10 +279,10 @@ def test_hessian_agrees_with_differences_of_gradients() -> None:
 
     def gradient(name: str, shift: float) -> Any:
         changed = with_numbers(model, {name: known[name] + shift})
-        run = sr.simulate(sr.System(changed), until=1.0, **TOL, store_steps=True)
+        run = sr.simulate(sr.System(changed), until=1.0, **TOL, store="steps")
         return sr.sensitivity(run, response, wrt=wrt).matrix[0]
 
-    run = sr.simulate(sr.System(model), until=1.0, **TOL, store_steps=True)
+    run = sr.simulate(sr.System(model), until=1.0, **TOL, store="steps")
     hessian = sr.hessian(run, response, wrt=wrt)
     for n, name in enumerate(wrt):
         differences = (gradient(name, h) - gradient(name, -h)) / (2 * h)
@@ -320,7 +320,7 @@ def test_files_have_the_same_forces_and_their_parameters_have_derivatives(tmp_pa
         lambda body: sr.Torque("curve", "pin", value=[[-9, 2], [0, 1], [9, -2]], over="v"),
     )
     assert reached(loaded, 1.0) == pytest.approx(reached(same, 1.0), rel=1e-10)
-    run = sr.simulate(sr.System(loaded), until=1.0, **TOL, store_steps=True)
+    run = sr.simulate(sr.System(loaded), until=1.0, **TOL, store="steps")
     found = sr.sensitivity(run, sr.Final("pin.angle"), wrt=["T0", "slope"])
     for n, (name, value, h) in enumerate((("T0", 14.0, 1e-3), ("slope", 1.5, 1e-3))):
         ends = [

@@ -44,7 +44,7 @@ def test_over_a_bump_the_vehicle_follows_the_reference() -> None:
     reference = np.genfromtxt(REFERENCE / "hmmwv_T2.csv", delimiter=",", names=True)
     system = on_road(tyre_front_left=wave(0.2), tyre_rear_left=wave(0.55))
     times = reference["t"][reference["t"] <= 1.0]
-    run = sr.simulate(system, until=1.0, t_eval=times, rtol=1e-9, atol=1e-11, method=sr.ODE())
+    run = sr.simulate(system, until=1.0, t_eval=times, method=sr.ODE(rtol=1e-9, atol=1e-11))
     for k, axis in enumerate("xyz"):
         assert np.allclose(run["chassis"].position[:, k], reference[axis][: len(times)], atol=2e-7)
 
@@ -54,7 +54,7 @@ def test_dropped_it_leaves_the_ground_and_settles_where_the_bilateral_one_rests(
     q = system.q0.copy()
     q[2::7] += 0.06
     start = dataclasses.replace(sr.assemble(system), q=q)
-    run = sr.simulate(system, start, until=4.0, t_eval=[0.02, 4.0], rtol=1e-6, atol=1e-8, method=sr.ODE())
+    run = sr.simulate(system, start, until=4.0, t_eval=[0.02, 4.0], method=sr.ODE(rtol=1e-6, atol=1e-8))
     masses = np.array([body.mass for body in MODEL.bodies])
     fall = masses @ (q - run.q[0])[2::7] / masses.sum()
     assert fall == pytest.approx(9.81 * 0.02**2 / 2, rel=1e-6)  # no tyre holds it
@@ -69,7 +69,7 @@ def test_a_profile_is_felt_where_the_wheel_is() -> None:
         wheel = sr.Body("wheel", 100.0, (1, 1, 1), position=(0, 0, 0.49), velocity=(4.0, 0, 0))
         tyre = sr.RoadTyre("tyre", wheel.point(0, 0, 0), k=1e5, c=500.0, radius=0.5, **given)
         system = sr.System(sr.Model("m", [wheel], forces=[tyre], gravity=(0, 0, -9.81)))
-        run = sr.simulate(system, until=2.0, rtol=1e-9, atol=1e-11, method=sr.ODE())
+        run = sr.simulate(system, until=2.0, method=sr.ODE(rtol=1e-9, atol=1e-11))
         rides.append(run["wheel"].position[:, 2])
         assert system.check_derivatives()
     assert np.allclose(*rides, atol=1e-7)

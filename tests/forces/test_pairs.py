@@ -65,9 +65,7 @@ def test_a_bushing_conserves_energy() -> None:
     system = sr.System(
         sr.Model("one", [body], forces=[sr.Bushing("f", sr.ground, body, (0, 0, 0), stiffness=K * 4)])
     )
-    run = sr.simulate(
-        system, until=5.0, t_eval=np.linspace(0, 5, 41), rtol=1e-11, atol=1e-13, method=sr.ODE()
-    )
+    run = sr.simulate(system, until=5.0, t_eval=np.linspace(0, 5, 41), method=sr.ODE(rtol=1e-11, atol=1e-13))
     energies = []
     for q, v in zip(run.q, run.v, strict=True):
         strain = np.array([*q[:3], *Rotation.from_matrix(A(q[3:])).as_rotvec()])

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 import sarrus as sr
 from sarrus.elements.forces.bushing import rotation_vector
 
-TIGHT = {"rtol": 1e-11, "method": sr.Radau()}
+TIGHT = {"method": sr.Radau(rtol=1e-11)}
 K, C, T, CREEP, I, J = 3.0, 0.2, 0.1, 0.5, 0.05, 0.4
 AXIS = np.array([1, 2, 2]) / 3
 SPEED = 4.0
@@ -99,7 +99,7 @@ def test_derivatives_by_the_numbers_of_both() -> None:
 
     def run(k: float, c: float, friction: float, inertia: float) -> sr.Trajectory:
         system = pair(k=k, c=c, friction=friction, inertia=inertia, creep=CREEP)
-        return sr.simulate(system, until=0.5, store_steps=True, **TIGHT)
+        return sr.simulate(system, until=0.5, store="steps", **TIGHT)
 
     middle, h = run(*values), 1e-4
     adjoint = sr.sensitivity(middle, response, names)

@@ -93,7 +93,7 @@ def test_what_cannot_be_read_is_refused(name: str, ending: str, tmp_path: Path) 
 MISSING = {
     "slider_crnk": 'Did you mean "slider_crank", which is shipped?',
     "HMMWV.yaml": 'Did you mean "hmmwv", which is shipped?',
-    "panda": "Check the path, or choose from hmmwv, slider_crank.",
+    "panda": "Check the path, or choose from car, double_wishbone, hmmwv, hmmwv_driving, macpherson, ",
     "robot.urd": 'Did you mean "robot.urdf"?',
     "other.urdf": "Check the path.",
     "folder": "is a directory",

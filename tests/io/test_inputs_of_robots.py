@@ -67,14 +67,18 @@ def test_steppers_and_controllers_set_actuators(path: Path) -> None:
         return {"motor_1": -2.0 * o["hinge.angle"] - o["hinge.rate"], "gain_control": 0.1}
 
     run = sr.simulate(
-        system, until=0.1, t_eval=[0.1], controllers=[sr.Controller(servo, period=0.01)], rtol=1e-10
+        system,
+        until=0.1,
+        t_eval=[0.1],
+        controllers=[sr.Controller(servo, period=0.01)],
+        method=sr.Radau(rtol=1e-10),
     )
     stepper = sr.Stepper(
         system,
         step=0.01,
         inputs=["motor_1", "gain_control"],
         outputs=["hinge.angle", "hinge.rate"],
-        rtol=1e-10,
+        method=sr.Radau(rtol=1e-10),
     )
     angle, rate = stepper.values
     for _ in range(10):
@@ -86,7 +90,7 @@ def test_controls_of_an_import_are_values_of_the_inputs(path: Path, tmp_path: Pa
     robot = sr.load_mjcf(path, controls={"motor-1": "0.3*sin(2*t)", "elbow": 0.2})
     inputs = {one.name: one.value for one in robot.forces if isinstance(one, sr.Input)}
     assert inputs == {"motor_1": "0.3*sin(2*t)", "elbow_control": 0.2, "gain_control": 0.0}
-    run = sr.simulate(sr.System(robot), until=0.5, store_steps=True)
+    run = sr.simulate(sr.System(robot), until=0.5, store="steps")
     gradient = sr.sensitivity(run, sr.Final("elbow.angle"), wrt=["elbow_control.value", "motor_1.value.1"])
     assert np.all(abs(gradient.matrix) > 1e-6)
     with pytest.warns(sr.SarrusWarning, match="names of merged links"):

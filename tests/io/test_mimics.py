@@ -44,7 +44,7 @@ def two_rods(folder: Path, more: str, kind: str = "revolute") -> Path:
 def motion(robot: sr.Robot, until: float = 0.5) -> sr.Trajectory:
     times = np.linspace(0, until, 6)
     run = sr.simulate(
-        sr.System(robot), until=until, t_eval=times, method=sr.ODE("DOP853"), rtol=1e-10, atol=1e-12
+        sr.System(robot), until=until, t_eval=times, method=sr.ODE("DOP853", rtol=1e-10, atol=1e-12)
     )
     assert run.success, run.message
     return run

@@ -269,7 +269,7 @@ def test_a_servo_follows_its_control(tmp_path: Path) -> None:
         f'<mujoco><worldbody><body name="b">{joint}</body></worldbody>'
         '<actuator><position name="servo" joint="x" kp="80" kv="8"/></actuator></mujoco>'
     )
-    run = sr.simulate(sr.System(sr.load_mjcf(path, controls={"servo": "0.5*t"})), until=4.0, store_steps=True)
+    run = sr.simulate(sr.System(sr.load_mjcf(path, controls={"servo": "0.5*t"})), until=4.0, store="steps")
     assert run.joint("x").angle[-1] == pytest.approx(0.5 * 4 - 8 * 0.5 / 80, abs=1e-6)
     gradient = sr.sensitivity(run, sr.Final("x.angle"), ["servo_force.parameters.kv"])
     assert gradient["servo_force.parameters.kv"] == pytest.approx(-0.5 / 80, rel=1e-4)

@@ -114,7 +114,7 @@ def test_every_operator_and_derivatives() -> None:
 
     assert system(100.0, 0.5).check_derivatives()
     values, names = np.array([100.0, 0.5]), ["drag.density", "drag.viscosity"]
-    options = {"until": 0.3, "store_steps": True, "rtol": 1e-10}
+    options = {"until": 0.3, "store": "steps", "method": sr.Radau(rtol=1e-10)}
     gradient = sr.sensitivity(sr.simulate(system(*values), **options), sr.Final("a.x"), names)
     for n, name in enumerate(names):
         step = 1e-3 * values[n] * np.eye(2)[n]

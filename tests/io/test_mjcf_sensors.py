@@ -42,7 +42,7 @@ def test_sensors_are_outputs(tmp_path: Path) -> None:
     mujoco.mj_forward(model, data)
     robot = sr.load_mjcf(path, ignore=["contacts"])
     assert len(robot.sensors) == model.nsensor
-    run = sr.simulate(sr.System(robot), robot.start("k"), until=0.01, store_steps=True)
+    run = sr.simulate(sr.System(robot), robot.start("k"), until=0.01, store="steps")
     for k in range(model.nsensor):
         first, width = int(model.sensor_adr[k]), int(model.sensor_dim[k])
         expected, name = data.sensordata[first : first + width], model.sensor(k).name
@@ -106,7 +106,7 @@ def test_forces_between_a_link_and_its_parent(tmp_path: Path) -> None:
     data.ctrl[0] = 1.5
     mujoco.mj_forward(model, data)
     robot = sr.load_mjcf(path, ignore=["contacts"], controls={"m": 1.5})
-    run = sr.simulate(sr.System(robot), robot.start("k"), until=0.01, store_steps=True)
+    run = sr.simulate(sr.System(robot), robot.start("k"), until=0.01, store="steps")
     for k, name in enumerate(ends):
         found = [run[f"{name}.{axis}"][0] for axis in "xyz"]
         expected = data.sensordata[3 * k : 3 * k + 3]

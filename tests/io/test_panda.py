@@ -73,7 +73,7 @@ def test_tangent_map_spans_the_null_space(space: sr.JointSpace, reference: Any) 
 def test_it_falls_and_keeps_its_energy(robot: sr.Robot, space: sr.JointSpace) -> None:
     system = space.system
     motion = sr.simulate(
-        system, until=1.0, t_eval=np.linspace(0, 1, 11), rtol=1e-9, atol=1e-11, method=sr.ODE()
+        system, until=1.0, t_eval=np.linspace(0, 1, 11), method=sr.ODE(rtol=1e-9, atol=1e-11)
     )
     assert motion.success
     energy = [

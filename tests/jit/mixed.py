@@ -13,6 +13,7 @@ from sarrus.elements.evaluation import dense, element_from
 from sarrus.elements.operators import Axis
 from sarrus.functions import exp, sin, sqrt
 from sarrus.model.laws.curve import Curve, Formula
+from sarrus.model.laws.surface import Surface
 from sarrus.model.primitive import Primitive
 from sarrus.system import System
 
@@ -83,6 +84,8 @@ def value(name, field, random):
         return Formula(lambda x: exp(sin(x)) + x * x / sqrt(2 + x * x))
     if field == "Curve":
         return Curve((-2.0, 0.0, 2.0), tuple(tuple(c) for c in random.normal(size=(2, 4))))
+    if field == "Surface":
+        return Surface([-2.0, 0.0, 2.0], [-2.0, 0.0, 2.0], random.normal(size=(3, 3)))
     if WIDTHS[field] > 1:
         return tuple(random.normal(size=WIDTHS[field]))
     number = float(random.normal())

@@ -30,7 +30,7 @@ def test_an_old_attribute_warns_and_is_the_new_one(monkeypatch: pytest.MonkeyPat
 def test_a_withdrawn_name_is_refused_with_what_replaces_it() -> None:
     rod = sr.Body("rod", 1.0, (1.0, 1.0, 1.0))
     system = sr.System(sr.Model("free", [rod], []))
-    run = sr.simulate(system, until=0.1, store_steps=True)
+    run = sr.simulate(system, until=0.1, store="steps")
     found = {
         "sarrus": sr,
         "System": system,

@@ -315,7 +315,7 @@ def example(start: str, folder: Path) -> Model:
 
 
 def test_the_examples_of_the_guide_are_right(tmp_path: Path) -> None:
-    assert len(EXAMPLES) == 10
+    assert len(EXAMPLES) == 12
     first = example("name: slider-crank", tmp_path)
     assert [body.name for body in first.bodies] == ["crank", "slider"]
     assert tuple(first.gravity) == (0, 0, -9.81)

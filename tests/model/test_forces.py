@@ -212,7 +212,7 @@ def test_drag_whose_coefficient_depends_on_the_speed() -> None:
         speed = np.sqrt(u @ u + 1e-6)
         return *y[2:], *(-(0.01 + 0.002 * np.tanh((speed - 12) / 3)) * speed * u / 0.5 + (0, -9.81))
 
-    run = sr.simulate(in_the_air(AIR), until=1.0, store_steps=True)
+    run = sr.simulate(in_the_air(AIR), until=1.0, store="steps")
     exact = solve_ivp(rates, (0, 1), (0, 0, 20, 0), rtol=1e-11, atol=1e-12).y[:2, -1]
     assert run["ball"].position[-1, [0, 2]] == pytest.approx(exact, abs=1e-8)
     balance = run.energy_balance()

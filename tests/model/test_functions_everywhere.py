@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.outputs.every_kind import COEFFICIENTS, TMEASY
 from tests.outputs.every_kind import system as of_every_kind
 
 import sarrus as sr
@@ -72,6 +73,14 @@ PLACES: dict[str, tuple[str, Callable[[Any], Any]]] = {  # the variable, and a p
     "Torque.factor": ("t", lambda f: sr.Torque("p", BLOCK, X, factor=f)),
     "RoadTyre.road": ("x", lambda f: sr.RoadTyre("p", C, k=9.0, c=0.1, radius=0.9, road=f)),
     "RoadTyre.bump": ("t", lambda f: sr.RoadTyre("p", C, k=9.0, c=0.1, radius=0.9, bump=f)),
+    "BrushTyre.road": (
+        "x", lambda f: sr.BrushTyre("p", C, radius=0.9, k=9.0, c_kappa=9.0, c_alpha=9.0, mu=1.0, axis=X, road=f)
+    ),
+    "FialaTyre.road": (
+        "x", lambda f: sr.FialaTyre("p", C, radius=0.9, k=9.0, c_kappa=9.0, c_alpha=9.0, mu_max=1.0, axis=X, road=f)
+    ),
+    "TmeasyTyre.road": ("x", lambda f: sr.TmeasyTyre("p", C, radius=0.9, k=9.0, axis=X, road=f, **TMEASY)),
+    "MagicFormulaTyre.road": ("x", lambda f: sr.MagicFormulaTyre("p", C, coefficients=COEFFICIENTS, axis=X, road=f)),
     "Force.value": ("v", lambda f: sr.Force("p", A, B, value=f)),
     "Torque.value": ("v", lambda f: sr.Torque("p", "pin", value=f)),
     "Tendon.value": ("x", lambda f: sr.Tendon("p", [A, B, C], value=f)),
@@ -95,6 +104,13 @@ PLACES: dict[str, tuple[str, Callable[[Any], Any]]] = {  # the variable, and a p
 }  # fmt: skip
 # Take formulas by the class that PID does; of positions only, see `forces/test_along.py`
 ELSEWHERE = {"HydraulicCylinder.input", "PneumaticChamber.input", "Force.along"}
+# Laws of shafts, see `forces/test_driveline.py`
+ELSEWHERE |= {f"{kind}.torque" for kind in ("Shaft", "Differential", "Brake")}
+ELSEWHERE |= {f"Engine.{field}" for field in ("throttle", "full_load", "motoring")} | {
+    "ElectricMotor.command"
+}
+ELSEWHERE |= {"Transmission.ratio", "Transmission.engagement"}
+ELSEWHERE |= {"TorqueConverter.capacity", "TorqueConverter.torque_ratio"}
 
 
 def system(part: Any) -> sr.System:
@@ -249,7 +265,7 @@ def test_jumps_of_long_functions_are_found_in_one_pass() -> None:
 
 def test_gradients_leave_out_what_moves_a_jump(tmp_path: Path) -> None:
     (tmp_path / "m.yaml").write_text(FILE)
-    run = sr.simulate(sr.System(sr.load(tmp_path / "m.yaml")), until=1.0, store_steps=True)
+    run = sr.simulate(sr.System(sr.load(tmp_path / "m.yaml")), until=1.0, store="steps")
     found = sr.sensitivity(run, "block.x")
     assert "push.factor.1" in found.names
     assert "push.factor.2" not in found.names

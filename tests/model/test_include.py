@@ -9,6 +9,7 @@ import pytest
 from tests.patience import within
 
 from sarrus.model import Model, ModelError, load
+from sarrus.model.expansion.blueprint import blueprint
 
 HUB = """\
 parameters: {d: 10 mm}
@@ -360,3 +361,113 @@ def test_aliases_do_not_nest_deeper_than_a_file_may(tmp_path: Path) -> None:
     (tmp_path / "m.yaml").write_text("\n".join(lines))
     with pytest.raises(ModelError, match="is nested deeper than 64 levels"):
         load(tmp_path / "m.yaml")
+
+
+CORNER = """
+parameters: {stiffness: 100}
+hardpoints: {unit: mm, ball: [0, 500, -100]}
+left:
+  bodies: {arm: {mass: 1, inertia: [1, 1, 1], position: ball}}
+  joints: {pin: {type: revolute, bodies: [ground, arm], point: ball, axis: [1, 0, 0]}}
+  forces: {spring: {type: tsda, points: [{body: ground, at: [0, 0.5, 0]}, arm.ball], k: stiffness, length: 0.1}}
+"""
+
+
+def with_corner(folder: Path, include: str) -> Model:
+    (folder / "corner.yaml").write_text(CORNER)
+    main = folder / "car.yaml"
+    main.write_text(f"name: car\nparameters: {{depth: 0.3}}\ninclude: [{{file: corner.yaml, {include}}}]\n")
+    return load(main)
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"),
+    [
+        ("{ball.z: -60 mm}", (0, 0.5, -0.06)),
+        ("{ball.z: -depth}", (0, 0.5, -0.3)),
+        ("{ball: [0.1, 0.4, -0.2]}", (0.1, 0.4, -0.2)),
+        ("{ball: {x: 5 mm, z: 0}}", (0.005, 0.5, 0)),
+    ],
+)
+def test_an_including_file_moves_hardpoints(given: str, wanted: tuple[float, ...], tmp_path: Path) -> None:
+    found = with_corner(tmp_path, f"prefix: front_, parameters: {given}")
+    assert found.hardpoints["front_ball"] == pytest.approx(wanted, abs=1e-15)
+    arms = {body.name: body.position for body in found.bodies}
+    assert arms["front_arm_right"] == pytest.approx((wanted[0], -wanted[1], wanted[2]), abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("include", "phrase"),
+    [
+        ("parameters: {ball.w: 1}", 'gives "ball.w", which is no coordinate of a hardpoint. Give ball.x'),
+        ("parameters: {ball: [1, 2]}", 'gives "ball", which is no coordinate'),
+        ("parameters: {bal.z: 1}", 'gives the unknown parameter "bal.z". Did you mean "ball"'),
+        ("without: [sprig]", 'leaves out "sprig", which that file does not have. Did you mean "spring_left'),
+        ("without: spring", "include[0].without must be a list"),
+    ],
+)
+def test_wrong_includes_of_hardpoints_are_refused(include: str, phrase: str, tmp_path: Path) -> None:
+    with pytest.raises(ModelError) as caught:
+        with_corner(tmp_path, include)
+    assert phrase in str(caught.value), str(caught.value)
+    assert f"{tmp_path / 'car.yaml'}:3" in str(caught.value)
+
+
+def test_parts_of_an_included_file_are_left_out(tmp_path: Path) -> None:
+    whole = with_corner(tmp_path, "prefix: front_")
+    assert {force.name for force in whole.forces} == {"front_spring_left", "front_spring_right"}
+    assert not with_corner(tmp_path, "prefix: front_, without: [spring]").forces
+    assert not with_corner(tmp_path, "without: [spring_left]").forces
+
+
+PART = """\
+name: part
+parameters: {length: 0.3, heavy: 1, half: heavy/2, crank: {r: 1, m: 2}}
+hardpoints: {ball: [1, 2, 3]}
+bodies:
+  rod: {mass: half, inertia: [1, 1, crank.r]}
+  bob:
+    mass: 1
+    inertia: [1, 1, 1]
+    position: [0, length, ball.z]
+"""
+VALUES = [
+    ("length: 3 N", 'main.yaml:5, used in part.yaml:9: body "a_bob": position[1] expects m'),
+    ("heavy: -1", 'main.yaml:5, used in part.yaml:5: body "a_rod": mass must be greater than 0, but is -0.5'),
+    ("crank: {r: 1 N}", 'main.yaml:5, used in part.yaml:5: body "a_rod": inertia[2] expects kg m^2'),
+    ("crank.r: -1", 'main.yaml:5, used in part.yaml:5: body "a_rod": inertia must be positive definite'),
+    ("crank: {m: x}", 'main.yaml:5: parameter "a_crank": m must be a number, but is "x"'),
+    ("ball.z: 3 N", 'main.yaml:5: hardpoint "a_ball": [2] expects m, but "3 N"'),
+    ("ball: [1, x, 3]", 'main.yaml:5: hardpoint "a_ball": [1] must be a number, but is "x"'),
+    ("lenth: 3", 'main.yaml:5: model: gives the unknown parameter "lenth". Did you mean "length"'),
+    ("ball.w: 3", 'main.yaml:5: model: gives "ball.w", which is no coordinate'),
+]
+
+
+@pytest.mark.parametrize(("value", "message"), VALUES)
+def test_errors_of_values_name_the_line_that_gives_them(tmp_path: Path, value: str, message: str) -> None:
+    (tmp_path / "part.yaml").write_text(PART)
+    main = tmp_path / "main.yaml"
+    main.write_text(
+        f"name: main\ninclude:\n  - file: part.yaml\n    parameters:\n      {value}\n    prefix: a_\n"
+    )
+    with pytest.raises(ModelError) as error:
+        blueprint(load(main))
+    assert str(error.value).replace(f"{tmp_path}/", "").startswith(message)
+
+
+def test_errors_of_entries_without_such_values_have_their_own_line(tmp_path: Path) -> None:
+    (tmp_path / "part.yaml").write_text(
+        PART.replace("mass: 1\n", "mass: 1 m\n").replace("ball: [1, ", "ball: [x, ")
+    )
+    main = tmp_path / "main.yaml"
+    main.write_text("name: main\ninclude:\n  - {file: part.yaml, parameters: {ball.z: 1, heavy: 2}}\n")
+    with pytest.raises(ModelError) as error:
+        load(main)
+    assert 'part.yaml:3: hardpoint "ball": [0] must be a number' in str(error.value)
+    assert "used in" not in str(error.value)
+    (tmp_path / "part.yaml").write_text(PART.replace("mass: 1\n", "mass: 1 m\n"))
+    with pytest.raises(ModelError) as error:
+        load(main)
+    assert 'part.yaml:7: body "bob": mass expects kg' in str(error.value)
+    assert "used in" not in str(error.value)

@@ -273,11 +273,11 @@ EDITS = [
         "ground",
         29,
         STAY,
-        'points[1] must be a mapping, but is "ground"',
+        'points[1] must be a point of a body, but is "ground"',
     ),
     # forces
     Wrong(
-        "at: [0, 9, 0]}", "at: [0, 1, 0]}", 35, SPRING, "has zero length, its two points coincide in the ini"
+        "at: [0, 9, 0]}", "at: [0, 1, 0]}", 35, SPRING, "has zero length, its two points coincide in the des"
     ),
     Wrong(
         "{body: ground, at: [0, 9, 0]}", "{body: rod, at: [0, 9, 0]}", 36, SPRING, 'connects "rod" to itself'

@@ -26,7 +26,7 @@ def test_a_road_under_a_spring_against_scipy() -> None:
         road, speed = 0.02 * (1 - np.cos(7 * t)), 0.14 * np.sin(7 * t)
         return y[1], (-200 * (y[0] - road - 0.6) - 3 * (y[1] - speed)) / 2 - 9.81
 
-    run = sr.simulate(rig(), until=1.0, store_steps=True)
+    run = sr.simulate(rig(), until=1.0, store="steps")
     exact = solve_ivp(rates, (0, 1), (0.5, 0), rtol=1e-11, atol=1e-12).y[0, -1]
     assert run["block.z"][-1] == pytest.approx(exact, abs=2e-9)
     assert run["energy.kinetic"][-1] == pytest.approx(run["block.velocity.z"][-1] ** 2, rel=1e-12)
@@ -105,7 +105,7 @@ def test_points_of_a_file_move_as_those_of_python(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("name", "step"), [("amplitude", 1e-4), ("place", 1e-3)])
 def test_parameters_of_a_file_in_moving_points(tmp_path: Path, name: str, step: float) -> None:
-    run = sr.simulate(system := in_file(tmp_path, FILE), until=0.5, store_steps=True)
+    run = sr.simulate(system := in_file(tmp_path, FILE), until=0.5, store="steps")
     value = system.model.parameters[name]
     high, low = (
         sr.simulate(in_file(tmp_path, FILE, **{name: value + d}), until=0.5)["block.z"][-1]

@@ -28,6 +28,19 @@ FRAMES: dict[str, Any] = {
 ENDS: dict[str, Any] = {"point_i": A.point(0, 0, 0), "point_j": B.point(0, 0, 0)}
 STOP: dict[str, Any] = {"stiffness": 1e3, "lower": -1.0, "upper": 2.0}
 AT: dict[str, Any] = {"point": A.point(0, 0, 0)}
+ROLLS: dict[str, Any] = {"radius": 0.3, "k": 1e5, "c": 10.0, "c_kappa": 1e4, "c_alpha": 1e4}
+ROLLING = (
+    "radius",
+    "k",
+    "c",
+    "relaxation_x",
+    "relaxation_y",
+    "rolling_resistance",
+    "rounding",
+    "creep",
+    "low_speed",
+)
+ROLLING += ("damping_time", "shortest_relaxation")
 PARTS: list[tuple[Any, dict[str, Any]]] = [
     *((kind, AXIS) for kind in (sr.Revolute, sr.Cylindrical, sr.Translational, sr.Planar, sr.PointOnLine)),
     (sr.Revolute, FRAMES),
@@ -54,6 +67,9 @@ PARTS: list[tuple[Any, dict[str, Any]]] = [
     (sr.DisplacementFriction, {**AXIS, "load": 2.0, "mu": 0.2}),
     (sr.Tyre, {**AT, "k": 1.0, "c": 0.1, "radius": 0.5}),
     (sr.RoadTyre, {**AT, "k": 1.0, "c": 0.1, "radius": 0.5}),
+    (sr.BrushTyre, {**AT, **ROLLS, "mu": 1.0, "half_length": 0.1}),
+    (sr.FialaTyre, {**AT, **ROLLS, "mu_max": 1.0, "mu_min": 0.8, "width": 0.2}),
+    (sr.MagicFormulaTyre, {**AT, "coefficients": sr.load_tyre("passenger_car").coefficients}),
     (
         sr.SphereContact,
         {"center": A.point(0, 0, 0), "plane": sr.ground.frame((0, 0, -1)), "stiffness": 1e3, "radius": 0.1, "mu": 0.1},
@@ -126,7 +142,8 @@ def test_the_parts_of_the_table_are_good(kind: Any, given: dict[str, Any]) -> No
 @pytest.mark.parametrize(("kind", "given"), PARTS, ids=lambda x: getattr(x, "__name__", ""))
 def test_nonsense_is_refused(kind: Any, given: dict[str, Any], what: str) -> None:
     for field in fields(kind):
-        if field.name not in ("name", "shape", "parameters", "over"):  # these may be empty
+        may_be = what == "bool" and isinstance(field.default, bool)
+        if not may_be and field.name not in ("name", "shape", "parameters", "over"):  # these may be empty
             with pytest.raises(ModelError, match=' "x": '):
                 made(kind, {**given, field.name: NONSENSE[what]})
 
@@ -140,6 +157,8 @@ NEGATIVE: list[tuple[Any, tuple[str, ...]]] = [
     (sr.DisplacementFriction, ("load", "mu", "mu_static", "stribeck", "creep", "viscous")),
     (sr.Tyre, ("k", "c", "radius")),
     (sr.RoadTyre, ("k", "c", "radius", "rounding")),
+    (sr.BrushTyre, (*ROLLING, "c_kappa", "c_alpha", "mu", "half_length")),
+    (sr.FialaTyre, (*ROLLING, "c_kappa", "c_alpha", "mu_max", "mu_min", "width")),
     (sr.SphereContact, ("stiffness", "radius", "mu", "damping", "creep", "rounding", "exponent")),
     (sr.LengthStop, ("stiffness", "damping", "rounding", "exponent")),
     (sr.DisplacementStop, ("stiffness", "damping", "rounding", "exponent")),
@@ -213,6 +232,7 @@ TEXTS: list[tuple[Any, str, Any, str]] = [
     (sr.Torque, "torque", [0, "1 + sign(t - 1)", 0], "t"),
     (sr.RoadTyre, "road", "0.1*sin(x)", "x"),
     (sr.RoadTyre, "bump", "0.05", "t"),
+    (sr.BrushTyre, "road", "0.1*sin(x)", "x"),
 ]
 
 

@@ -34,7 +34,7 @@ def test_laws_of_contact_return_the_energy() -> None:
         f"-{K}*sqrt(max(0, m.y - 0.4))",
         f"-{K}*max(0, m.z - 0.6)*sqrt(max(0, m.z - 0.6))",
     )
-    run = sr.simulate(system, until=1.5, store_steps=True)
+    run = sr.simulate(system, until=1.5, store="steps")
     assert run.status == "finished"
     for axis, power in zip("xyz", (1.5, 0.5, 1.5), strict=True):
         assert run[f"m.velocity.{axis}"][-1] == pytest.approx(-1.0, abs=1e-6)

@@ -133,7 +133,7 @@ def test_rates_follow_from_parameters(tmp_path: Path) -> None:
     file = written(tmp_path, text)
     for parameters, rate in (({}, 2 * np.pi), ({"speed": 1.0}, 2.0)):
         system = sr.System(sr.load(file, parameters=parameters))
-        run = sr.simulate(system, until=0.1, store_steps=True)
+        run = sr.simulate(system, until=0.1, store="steps")
         assert run["pin.angle.rate"][0] == pytest.approx(rate)
     found = sr.study(
         sr.load(file), {"speed": [1.0, 2.0]}, {"w": "initial(pin.angle.rate)"}, analysis=sr.Simulation(0.1)

@@ -320,7 +320,7 @@ def test_every_number_of_the_shipped_mechanisms_can_change(tmp_path: Path) -> No
     for name in mechanisms.names():
         model = sr.load(name)
         new = {
-            key: value * (1 + 1e-9)
+            key: value * (1 - 1e-9)
             for key, value in written_numbers(model).items()
             if value and "orient" not in key
         }

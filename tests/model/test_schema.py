@@ -42,7 +42,7 @@ def plain(path: Path) -> Any:
     return json.loads(json.dumps(read(path).data))
 
 
-@pytest.mark.parametrize("name", mechanisms.names())
+@pytest.mark.parametrize("name", [*mechanisms.names(), *mechanisms.suspensions()])
 def test_the_shipped_models_are_valid(name: str, validator: Draft202012Validator) -> None:
     validator.validate(plain(mechanisms.path(name)))
 

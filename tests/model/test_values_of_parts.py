@@ -45,4 +45,5 @@ def test_the_shell_takes_them(file: Path, capsys: pytest.CaptureFixture[str]) ->
 
 def test_components_need_numbers(file: Path) -> None:
     with pytest.raises((sr.ModelError, TypeError), match=r"rod\.position\.x must be a number"):
-        sr.load(file, parameters={"rod.position.x": "20 cm"})
+        sr.load(file, parameters={"rod.position.x": [0.2]})
+    assert sr.load(file, parameters={"rod.position.x": "20 cm"}).bodies[0].position[0] == 0.2

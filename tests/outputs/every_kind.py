@@ -22,6 +22,18 @@ OIL = {
     "rated_drop": 1e5,
     "bulk": 1e7,
 }
+CURVES: dict[str, tuple[float, float]] = {
+    "slope": (20.0, 35.0),
+    "peak_slip": (0.2, 0.25),
+    "peak_force": (2.0, 3.5),
+    "sliding_slip": (0.8, 0.9),
+    "sliding_force": (1.5, 2.8),
+}
+TMEASY: dict[str, Any] = {f"{name}_{axis}": pair for name, pair in CURVES.items() for axis in "xy"}
+TMEASY |= {"nominal_load": 3.0}
+LIGHT = {"FNOMIN": 5.0, "FZMAX": 20.0, "VERTICAL_STIFFNESS": 30.0, "VERTICAL_DAMPING": 0.1, "Q_FZ2": 0.2}
+LIGHT |= {"LONGITUDINAL_STIFFNESS": 200.0, "LATERAL_STIFFNESS": 90.0}
+COEFFICIENTS = {**sr.load_tyre("passenger_car").coefficients, **LIGHT}
 POINT = "body_3(0.1, 0.2, 0.3)"
 
 
@@ -69,6 +81,22 @@ def _drivers(b: Builder) -> None:
     b.drivers.append(sr.PointDriver("path", four.point(0, 0, 0), x=f"{x!r} + 0.1*t", z=f"{z!r} + 0.1*t^2"))
 
 
+def _driveline(body: sr.Body) -> list[sr.Force]:
+    """From an engine to two hinges, with everything between them; a motor and a brake; the place along a path."""
+    x, y, _ = body.position
+    return [
+        sr.Shaft("crank", inertia=0.2, torque="engine.value - converter.value", initial=30.0),
+        sr.Shaft("turbine", inertia=0.3, torque="converter.output - gearbox.value", initial=9.0),
+        sr.Engine("engine", "crank", "0.4 + 0.1*pin.angle", [[0, 2], [100, 3], [200, 2]], "-0.001*x"),
+        sr.TorqueConverter("converter", "crank", "turbine", 2e-3, "2 - x"),
+        sr.Transmission("gearbox", "turbine", "halves", 3.0, 5.0, 0.9, creep=2.0),
+        sr.Differential("halves", "wheel_0", "wheel_1", 2.5, "gearbox.output", 0.1, 0.2),
+        sr.ElectricMotor("starter", "pin", "0.3 - pin.angle", torque=2.0, power=9.0),
+        sr.Brake("band", "pin", "0.2 + 0.1*t", creep=0.5),
+        sr.PathFollower("course", body.name, [[x - 2, y - 1], [x, y], [x + 2, y + 2]], initial=5**0.5),
+    ]
+
+
 def _texts(b: Builder) -> None:
     """Forces of the zoo with functions in Python, which files cannot contain, as formulas."""
     _forces(b)
@@ -82,6 +110,16 @@ def _texts(b: Builder) -> None:
     road = {"radius": 0.7, "road": "0.1*sin(x)", "rounding": 0.1}
     b.forces += [
         sr.RoadTyre("wheel", b.spot(two), k=30.0, c=1.0, **road),
+        sr.BrushTyre(
+            "brush", b.spot(two), k=30.0, c=1.0, c_kappa=20.0, c_alpha=30.0, mu=0.8, axis=b.axis(), **road
+        ),
+        sr.FialaTyre(
+            "slick", b.spot(one), k=30.0, c_kappa=20.0, c_alpha=30.0, mu_max=0.8, axis=b.axis(), **road
+        ),
+        sr.TmeasyTyre("tmeasy", b.spot(one), k=30.0, axis=b.axis(), **TMEASY, **road),
+        sr.MagicFormulaTyre(
+            "radial", b.spot(two), coefficients=COEFFICIENTS, axis=b.axis(), road=road["road"]
+        ),
         sr.CartesianSpring("rubber", b.spot(one), b.spot(two), stiffness=(9, 8, 7), damping=(0.3, 0.2, 0.1)),
         sr.SphericalSpring("gimbal", one, two, point=b.near(two), k=2.0, c=0.1, friction=0.2, creep=0.2),
         sr.SphericalInertia("gyro", one, two, inertia=0.2),
@@ -125,6 +163,7 @@ def _texts(b: Builder) -> None:
         ),
         sr.DCMotor("dc", "pin", "pid.output", resistance=1.0, inductance=0.1, constant=0.05, gear=3.0),
     ]
+    b.forces += _driveline(one)
 
 
 @cache
@@ -143,7 +182,8 @@ def run() -> sr.Trajectory:
     times = {"until": UNTIL, "t_eval": np.linspace(0, UNTIL, 5)}
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*assembly changed")  # poses are random
-        return sr.simulate(system(), **times, rtol=1e-10, atol=1e-12, store_steps=True)
+        method = sr.Radau(rtol=1e-10, atol=1e-12)
+        return sr.simulate(system(), **times, method=method, store="steps")
 
 
 def parts() -> dict[str, Any]:

@@ -56,7 +56,7 @@ def test_printed_results_are_short() -> None:
     known += ", angular_acceleration_global, angular_acceleration_body"
     assert str(run["top"]) == f"BodyMotion('top': {known})"
     assert str(sr.assemble(run.system)).splitlines()[0].startswith("assembled in")
-    stored = sr.simulate(run.system, until=0.1, store_steps=True)
+    stored = sr.simulate(run.system, until=0.1, store="steps")
     found = sr.state_derivatives(stored, ["top.mass"])
     assert str(found).startswith("derivatives of coordinates and outputs with respect to top.mass at ")
     assert str(found).endswith("from 0 to 0.1 s")

@@ -14,7 +14,7 @@ METHODS = {"HHT": sr.HHT(), "stabilized": sr.GeneralizedAlpha(stabilized=True), 
 
 @cache
 def run(method: str) -> sr.Trajectory:
-    return sr.simulate(system(), until=0.05, method=METHODS[method], store_steps=True)
+    return sr.simulate(system(), until=0.05, method=METHODS[method], store="steps")
 
 
 @cache

@@ -44,7 +44,7 @@ def test_the_model_has_every_kind() -> None:
     assert {kind for kind in every if kind.__module__.startswith("sarrus.")} == {*map(type, parts().values())}
     assert all(np.all(np.isfinite(values)) for values in columns().values())
     assert {one.unit for one in outputs().values() if ".multiplier." not in one.name} == {
-        "", "1", "1/s", "A", "A/s", "J", "V", "N", "N m", "N/s", "N/m²", "W",
+        "", "1", "1/m", "1/s", "A", "A/s", "J", "V", "N", "N m", "N/s", "N/m²", "W",
         "m³/s", "m", "m/s", "m/s²", "rad", "rad/s", "rad/s²", "s",
     }  # fmt: skip
 

@@ -93,7 +93,7 @@ def system() -> sr.System:
 @cache
 def run() -> sr.Trajectory:
     """By a method whose nodes satisfy the constraints of velocities as samples do."""
-    settings = {"method": sr.Radau(), "rtol": 1e-9, "atol": 1e-11, "store_steps": True}
+    settings = {"method": sr.Radau(rtol=1e-9, atol=1e-11), "store": "steps"}
     return sr.simulate(system(), until=0.05, t_eval=np.linspace(0, 0.05, 11), **settings)
 
 
@@ -273,9 +273,7 @@ def test_the_time_of_an_event_changes_with_the_parameters_of_its_output() -> Non
     spring = sr.TSDA("spring", sr.ground.point(-1, 0, 0), mass.point(0, 0, 0), k=k, length=1.0)
     one = sr.System(sr.Model("oscillator", bodies=[mass], joints=[guide], forces=[spring]))
     event = sr.Event("spring.tension - 8", terminal=True, name="slack")
-    swing = sr.simulate(
-        one, until=1.0, events=event, method=sr.Radau(), rtol=1e-9, atol=1e-11, store_steps=True
-    )
+    swing = sr.simulate(one, until=1.0, events=event, method=sr.Radau(rtol=1e-9, atol=1e-11), store="steps")
     w, u = np.sqrt(k / m), c / (k * x)
     time = np.arccos(u) / w
     assert swing.events[0].t == pytest.approx(time, rel=1e-8)
@@ -291,7 +289,7 @@ def test_a_reaction_ends_a_run() -> None:
     pin = sr.Revolute("pin", sr.ground, bob, point=(0, 0, 0), axis=(0, 1, 0))
     one = sr.System(sr.Model("pendulum", bodies=[bob], joints=[pin], gravity=(0, 0, -9.81)))
     event = sr.Event("sqrt(pin.force.x**2 + pin.force.z**2) - 40", direction=1, terminal=True)
-    fall = sr.simulate(one, until=1.0, events=event, method=sr.Radau(), rtol=1e-9, atol=1e-11)
+    fall = sr.simulate(one, until=1.0, events=event, method=sr.Radau(rtol=1e-9, atol=1e-11))
     assert fall.status == "event"
     angle = abs(one.joint("pin").angle(fall.events[0].q))
     assert 3 * 2.0 * 9.81 * np.sin(angle) == pytest.approx(40, rel=1e-6)

@@ -16,7 +16,7 @@ from sarrus.outputs import UnknownOutput
 X0, K, M, UNTIL = 0.1, 30.0, 2.0, 1.3
 OMEGA = np.sqrt(K / M)
 NAMED = {"twice": "2*a.x", "far": "twice - a.y + 1 m"}
-SETTINGS = {"until": UNTIL, "method": sr.Radau(), "rtol": 1e-10, "atol": 1e-12}
+SETTINGS = {"until": UNTIL, "method": sr.Radau(rtol=1e-10, atol=1e-12)}
 
 
 def model(**more: object) -> sr.Model:
@@ -29,7 +29,7 @@ def model(**more: object) -> sr.Model:
 
 @cache
 def run() -> sr.Trajectory:
-    return sr.simulate(sr.System(model()), t_eval=np.linspace(0, UNTIL, 14), store_steps=True, **SETTINGS)
+    return sr.simulate(sr.System(model()), t_eval=np.linspace(0, UNTIL, 14), store="steps", **SETTINGS)
 
 
 @pytest.mark.parametrize(
@@ -102,7 +102,7 @@ def test_mean_of_a_run_that_an_event_ends() -> None:
     ball = sr.Body("ball", mass=1.0, inertia=(1, 1, 1), position=(0, 0, 1.0))
     system = sr.System(sr.Model("drop", [ball], gravity=(0, 0, -10.0), outputs={"height": "ball.z"}))
     end = sr.Event("2*height", terminal=True, name="ground")
-    drop = sr.simulate(system, until=2.0, events=[end], store_steps=True, method=sr.Radau())
+    drop = sr.simulate(system, until=2.0, events=[end], store="steps", method=sr.Radau())
     found = sr.sensitivity(drop, ["mean(ball.z)", "initial(height)"], ["ball.position.z"])
     assert found.values == pytest.approx([2 / 3, 1], abs=1e-9)
     assert found.matrix[:, 0] == pytest.approx([2 / 3, 1], abs=1e-8)

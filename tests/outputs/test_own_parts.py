@@ -17,13 +17,13 @@ from sarrus.cli import main
 from sarrus.model.written import with_numbers
 from sarrus.outputs.measure import measured
 
-SETTINGS = {"until": 0.4, "method": sr.Radau(), "rtol": 1e-9, "atol": 1e-11}
+SETTINGS = {"until": 0.4, "method": sr.Radau(rtol=1e-9, atol=1e-11)}
 WRT = ["magnet.strength", "bowl.k", "bead.mass"]
 
 
 @cache
 def run() -> sr.Trajectory:
-    return sr.simulate(sr.System(described()), t_eval=np.linspace(0, 0.4, 21), store_steps=True, **SETTINGS)
+    return sr.simulate(sr.System(described()), t_eval=np.linspace(0, 0.4, 21), store="steps", **SETTINGS)
 
 
 @pytest.mark.one_in(4)
@@ -61,7 +61,7 @@ def test_gradients_are_those_of_changed_models() -> None:
         h, ends = 1e-4 * base, []
         for sign in (1, -1):
             moved = sr.System(with_numbers(described(), {parameter: base + sign * h}))
-            other = sr.simulate(moved, store_steps=True, **SETTINGS)
+            other = sr.simulate(moved, store="steps", **SETTINGS)
             ends.append(sr.sensitivity(other, responses, ["bead.mass"]).values)
         difference = (ends[0] - ends[1]) / (2 * h)
         assert back.matrix[:, k] == pytest.approx(difference, rel=1e-5, abs=1e-6), parameter
@@ -73,7 +73,7 @@ def test_events_are_found_and_their_times_differentiated(name: str) -> None:
     values = run().output(name).values
     level = float(values[12] + values[13]) / 2
     event = sr.Event(f"{name} - {level!r}", terminal=True, name="here")
-    ended = sr.simulate(sr.System(described()), events=event, store_steps=True, **SETTINGS)
+    ended = sr.simulate(sr.System(described()), events=event, store="steps", **SETTINGS)
     assert ended.status == "event"
     found = sr.sensitivity(ended, [sr.AtEvent("t", event="here"), sr.Final(name)], WRT)
     assert found.values[1] == pytest.approx(level, rel=1e-9, abs=1e-12)

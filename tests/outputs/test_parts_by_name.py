@@ -15,7 +15,9 @@ from sarrus.model.written import with_numbers
 
 @cache
 def run() -> sr.Trajectory:
-    return sr.simulate(slider_crank(), until=0.4, t_eval=np.linspace(0, 0.4, 401), rtol=1e-10)
+    return sr.simulate(
+        slider_crank(), until=0.4, t_eval=np.linspace(0, 0.4, 401), method=sr.Radau(rtol=1e-10)
+    )
 
 
 def lifted() -> sr.Trajectory:
@@ -24,7 +26,7 @@ def lifted() -> sr.Trajectory:
     pin = sr.Revolute("pin", sr.ground, arm, point=(0, 0, 0), axis=(0, -1, 0))
     motor = sr.AngleDriver("motor", "pin", "0.3*t^2")
     system = sr.System(sr.Model("crane", [arm], [pin], drivers=[motor], gravity=(0, 0, -9.81)))
-    return sr.simulate(system, until=1.0, t_eval=np.linspace(0, 1, 101), rtol=1e-9)
+    return sr.simulate(system, until=1.0, t_eval=np.linspace(0, 1, 101), method=sr.Radau(rtol=1e-9))
 
 
 def test_scalars_and_vectors_are_attributes() -> None:
@@ -51,7 +53,7 @@ def test_parts_named_as_modes_and_poles_have_their_own_outputs() -> None:
     arm = sr.Body("mode1", mass=2.0, inertia=(0.1, 0.1, 0.1), position=(0.5, 0, 0))
     pin = sr.Revolute("pin", sr.ground, arm, point=(0, 0, 0), axis=(0, -1, 0))
     system = sr.System(sr.Model("crane", [arm], [pin], [sr.Torque("pole2", "pin", value="-3*x")]))
-    found = sr.simulate(system, until=0.1, t_eval=[0, 0.1], store_steps=True)
+    found = sr.simulate(system, until=0.1, t_eval=[0, 0.1], store="steps")
     torque = found["pole2"]
     assert "frequency" not in torque.units
     assert all(len(getattr(torque, word)) == 2 for word in torque.units)
@@ -122,8 +124,8 @@ def test_derivatives_of_powers_and_accelerations() -> None:
     """By the adjoint and forwards, and by differences of simulations."""
     names, at = ["pin.angle.acceleration", "spring.power", "rod.angular_acceleration.x"], 0.3
     responses = [sr.At(name, time=at) for name in names]
-    settings = {"until": 0.4, "t_eval": [at], "rtol": 1e-11, "atol": 1e-13}
-    stored = sr.simulate(slider_crank(), store_steps=True, **settings)
+    settings = {"until": 0.4, "t_eval": [at], "method": sr.Radau(rtol=1e-11, atol=1e-13)}
+    stored = sr.simulate(slider_crank(), store="steps", **settings)
     back, forward = (
         sr.sensitivity(stored, responses, ["spring.k", "rod.mass"], method=way)
         for way in ("adjoint", "direct")

@@ -65,11 +65,24 @@ class Cubic:
         return part(b) - part(a)
 
 
+class Saddle:
+    """The surface z = a x + b y + c x y of any numbers."""
+
+    def __init__(self, numbers: np.ndarray) -> None:
+        self._a, self._b, self._c = numbers
+
+    def derivative(self, x, y, i, j):
+        a, b, c = self._a, self._b, self._c
+        return {(0, 0): a * x + b * y + c * x * y, (1, 0): a + c * y, (0, 1): b + c * x}[i, j]
+
+
 def element_of(kind, random):
     values = []
     for name, field in kind.fields.items():
         if field == "Curve":
             values.append(Cubic(0.2 * random.uniform(size=2)))
+        elif field == "Surface":
+            values.append(Saddle(random.normal(size=3)))
         elif field == "Mat66":
             half = random.normal(size=(6, 6))
             values.append((half @ half.T + random.normal(size=(6, 6)) * (name == "K")).ravel())
@@ -146,7 +159,7 @@ def test_the_power_is_split_without_rest(name: str) -> None:
         assert np.count_nonzero(power) > 5
     if name in LOADS and "Gravity" not in name:
         assert np.array_equal(power, supplied)
-    elif not any(word in name for word in ("SDA", "Bushing", "Road", "Drag", "Fluid", *LOADS)):
+    elif not any(word in name for word in ("SDA", "Bushing", "Road", "Surface", "Drag", "Fluid", *LOADS)):
         assert not supplied.any()
 
 

@@ -1,5 +1,7 @@
 """Times of events of accelerations and reactions have derivatives: against closed forms, and in both directions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -40,7 +42,7 @@ def test_the_time_at_which_a_pin_bears_a_load(method: str) -> None:
     event = sr.Event("sqrt(pin.force.x**2 + pin.force.z**2) - 40", direction=1, terminal=True, name="load")
     accuracy = PRECISE if method == "Radau" else COARSE
     fall = sr.simulate(
-        pendulum(), until=1.0, events=event, method=METHODS[method], **accuracy, store_steps=True
+        pendulum(), until=1.0, events=event, method=replace(METHODS[method], **accuracy), store="steps"
     )
     responses = [sr.AtEvent("t", event="load"), sr.AtEvent("bob.x", event="load")]
     found, forward = (
@@ -69,7 +71,7 @@ def test_the_time_at_which_a_driver_needs_a_torque() -> None:
     one = sr.System(sr.Model("crane", bodies=[arm], joints=[pin], drivers=[motor], gravity=(0, 0, -GRAVITY)))
     # about y, from the balance of moments: I a - m g l cos(angle), I = 0.1 + 2 / 4
     event = sr.Event("motor.torque.y - 6", terminal=True, name="strong")
-    run = sr.simulate(one, until=2.0, events=event, method=sr.Radau(), **PRECISE, store_steps=True)
+    run = sr.simulate(one, until=2.0, events=event, method=sr.Radau(**PRECISE), store="steps")
     assert run.status == "event"
     t = run.events[0].t
     angle, inertia = 1.5 * t * t, 0.6
@@ -86,10 +88,10 @@ def test_states_after_a_reset_follow_the_time_of_the_event(name: str) -> None:
     """Against runs of changed models, whose differences are known to seven digits."""
 
     system = sr.System(sr.load("slider_crank"))
-    free = sr.simulate(system, until=0.3, method=sr.Radau(), **PRECISE)
+    free = sr.simulate(system, until=0.3, method=sr.Radau(**PRECISE))
     middle = float(np.interp(0.15, free.t, free[name]))
     event = sr.Event(f"{name} - {middle}", name="here", reset=lambda t, q, v: 0.9 * v)
-    run = sr.simulate(system, until=0.3, events=event, method=sr.Radau(), **PRECISE, store_steps=True)
+    run = sr.simulate(system, until=0.3, events=event, method=sr.Radau(**PRECISE), store="steps")
     assert run.events
     wrt = ["rod.mass", "spring.k"]
     responses = [sr.AtEvent("t", event="here"), sr.Final("slider.x"), sr.Final(name)]
@@ -100,7 +102,7 @@ def test_states_after_a_reset_follow_the_time_of_the_event(name: str) -> None:
         ends = []
         for sign in (1, -1):
             moved = sr.System(with_numbers(sr.load("slider_crank"), {parameter: base + sign * h}))
-            other = sr.simulate(moved, until=0.3, events=event, method=sr.Radau(), **PRECISE)
+            other = sr.simulate(moved, until=0.3, events=event, method=sr.Radau(**PRECISE))
             ends.append(np.array([other.events[0].t, other["slider.x"][-1], other[name][-1]]))
         difference = (ends[0] - ends[1]) / (2 * h)
         assert back.matrix[:, k] == pytest.approx(difference, rel=1e-4, abs=1e-5)

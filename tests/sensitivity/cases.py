@@ -1,7 +1,7 @@
 """Mechanisms with reference gradients, of real joints; their numbers follow from a few by a function."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -32,11 +32,13 @@ class Case:
         """The model with the numbers that follow from the design."""
         return sr.System(with_numbers(self.drawn, flat(self.formula(self.design))))
 
-    def run(self, **settings: object) -> sr.Trajectory:
-        """The motion, with its steps."""
+    def run(self, method: object = None, *, tolerance: float = 0.0, **settings: object) -> sr.Trajectory:
+        """The motion, with its steps, by a method, perhaps with another tolerance."""
         start = sr.assemble(self.system, fixed=self.held)
         assert start.success, start.message
-        options = {"until": self.until, "t_eval": [self.until], "store_steps": True} | settings
+        options = {"until": self.until, "t_eval": [self.until], "store": "steps"} | settings
+        by = sr.Radau() if method is None else method
+        options["method"] = replace(by, rtol=tolerance, atol=tolerance) if tolerance else by
         found = sr.simulate(self.system, start, **options)
         assert found.success, found.message
         return found

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from tests.prescribed_steps import run_of
 
 import sarrus as sr
 from sarrus.analyses.dynamics.integrators.differentiable import differentiable
@@ -26,7 +27,7 @@ def again(
     ends = np.array([steps.t[0], steps.t[-1]])
     settings = {"rtol": steps.rtol, "atol": steps.atol, "store_steps": True, "given": steps.h}
     start = sr.assemble(changed, *guess, rates=rates or {})
-    run = differentiable(method).run(changed, start, ends, **settings)
+    run = run_of(differentiable(method), changed, start, ends, **settings)
     assert run.success, run.message
     if steps.correction.shape[1]:
         assert np.array_equal(run.steps.removed != 0, steps.removed != 0)

@@ -50,7 +50,7 @@ def struck(
     state = sampler.states(nodes, np.array([t]))
     q, v = state.q[0], state.v[0]
     after = watch.after(t, q, v, sampler)
-    return t, q, v, (after, sampler.state(t, q, after, memory[0]))
+    return t, q, v, (after, sampler.state_at(t, q, after, memory[0]))
 
 
 def again(system: sr.System, run: sr.Trajectory, method: object, event: sr.Event) -> Segments:

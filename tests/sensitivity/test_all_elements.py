@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from tests.prescribed_steps import run_of
 from tests.sensitivity.frozen import solved
 from tests.sensitivity.zoo import zoo
 
@@ -25,14 +26,13 @@ KINDS = ("q", "v", "a", "lam")
 def even(seed: int) -> sr.Trajectory:
     """Another random mechanism with all elements, by twenty steps of 10 ms."""
     settings = {"rtol": 1e-4, "atol": 1e-5, "store_steps": True, "given": np.full(20, 0.01)}
-    return sr.HHT().run(zoo(seed), sr.assemble(zoo(seed)), np.array([0.0, 0.2]), **settings)
+    return run_of(sr.HHT(), zoo(seed), sr.assemble(zoo(seed)), np.array([0.0, 0.2]), **settings)
 
 
 @cache
 def swung() -> sr.Trajectory:
-    run = sr.simulate(
-        zoo(), until=0.2, t_eval=[0.2], rtol=1e-4, atol=1e-5, store_steps=True, corners=False, method=sr.HHT()
-    )
+    settings = {"rtol": 1e-4, "atol": 1e-5, "store_steps": True}
+    run = run_of(sr.HHT(), zoo(), sr.assemble(zoo()), np.array([0.0, 0.2]), **settings)
     return solved(run, sr.HHT())
 
 
@@ -42,7 +42,7 @@ def test_the_zoo_is_complete() -> None:
 
 
 def changes(run: sr.Trajectory, columns: int) -> tuple[np.ndarray, ...]:
-    """Random changes of all numbers that are no places of curves, and of the guess."""
+    """Random changes of all numbers that are no places of tables, and of the guess."""
     system = run.system
     random = np.random.default_rng(1)
     db = random.normal(size=(len(system.b), columns))
@@ -50,7 +50,7 @@ def changes(run: sr.Trajectory, columns: int) -> tuple[np.ndarray, ...]:
     for p in system.populations:
         starts = np.cumsum([0, *p.kind.widths()])
         for n, kind in enumerate(p.kind.fields.values()):
-            if kind == "Curve":
+            if kind in ("Curve", "Surface"):
                 db[p.at + starts[n] + p.kind.size() * np.arange(p.count)] = 0
     dq, dv = (random.normal(size=(system.nq, columns)) for _ in range(2))
     for n in range(3, system.nq, 7):  # Euler parameters of a guess are brought to unit length
@@ -98,7 +98,7 @@ def test_derivatives_are_those_of_differenced_simulations() -> None:
         other.b[:] = system.b + e * db[:, 0]
         begin = sr.assemble(other, start.asked.q + e * dq[:, 0], start.asked.v + e * dv[:, 0])
         settings = {"rtol": 1e-4, "atol": 1e-5, "store_steps": True, "given": steps.h}
-        return sr.HHT().run(other, begin, np.array([0.0, 0.2]), **settings).steps
+        return run_of(sr.HHT(), other, begin, np.array([0.0, 0.2]), **settings).steps
 
     e = 2e-4
     ends = {d: moved(d) for d in (e, -e, e / 2, -e / 2)}

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.prescribed_steps import run_of
 from tests.sensitivity import cases
 from tests.sensitivity.cases import Case
 from tests.sensitivity.test_references import FOLDER
@@ -56,7 +57,7 @@ def known(name: str) -> Known:
 def errors(name: str, tolerance: float, **settings: object) -> np.ndarray:
     """Of values and gradients (r, 2), relative to the largest entry of each response."""
     told = known(name)
-    run = told.case.run(rtol=tolerance, atol=tolerance, **settings)
+    run = told.case.run(tolerance=tolerance, **settings)
     found = told.case.gradient(run)
     rows = abs(found.matrix - told.gradient).max(axis=1) / abs(told.gradient).max(axis=1)
     return np.column_stack([abs(found.values - told.values) / abs(told.gradient).max(axis=1), rows])
@@ -120,7 +121,7 @@ def test_gradients_approach_those_of_the_continuous_motion_with_order_five() -> 
         lengths = np.full(count, told.case.until / count)
         settings = {"rtol": 1e-9, "atol": 1e-9, "store_steps": True, "given": lengths}
         system = told.case.system
-        run = sr.Radau().run(system, sr.assemble(system), np.array([0.0, told.case.until]), **settings)
+        run = run_of(sr.Radau(), system, sr.assemble(system), np.array([0.0, told.case.until]), **settings)
         found.append(abs(told.case.gradient(run).matrix - told.gradient).max())
     slopes = np.log2(np.array(found[:-1]) / found[1:])
     assert abs(slopes - 5).max() < 0.5, (found, slopes)
@@ -130,7 +131,7 @@ def test_gradients_approach_those_of_the_continuous_motion_with_order_five() -> 
 @pytest.mark.parametrize("name", REACHED)
 def test_forwards_it_is_the_same(name: str) -> None:
     case = known(name).case
-    run = case.run(rtol=1e-4, atol=1e-4)
+    run = case.run(tolerance=1e-4)
     back, forward = (case.gradient(run, method).matrix for method in ("adjoint", "direct"))
     assert abs(forward - back).max() < 1e-9 * abs(back).max()
 
@@ -148,7 +149,7 @@ CURVED = {
 def test_hessians(name: str) -> None:
     told, found = known(name), []
     for tolerance in (1e-4, 1e-6):
-        run = told.case.run(rtol=tolerance, atol=tolerance)
+        run = told.case.run(tolerance=tolerance)
         hessians = {r: told.case.hessian(run, r) for r in CURVED[name]}
         found.append(
             [
@@ -163,7 +164,7 @@ def test_hessians(name: str) -> None:
 
 def test_a_hessian_is_printed_as_a_table() -> None:
     case = known("oscillator").case
-    found = case.hessian(case.run(rtol=1e-4, atol=1e-4), "int_x2", ["m", "k"])
+    found = case.hessian(case.run(tolerance=1e-4), "int_x2", ["m", "k"])
     lines = str(found).splitlines()
     assert lines[1].split() == ["m", "k"]
     assert [float(x) for x in lines[3].split()[1:]] == pytest.approx(
@@ -177,8 +178,7 @@ def test_a_hessian_is_printed_as_a_table() -> None:
 def test_the_five_bar_has_a_large_hessian_by_its_springs() -> None:
     case, wanted = known("five_bar").case, np.array(json.loads(file("five_bar"))["hess_J"])
     found = [
-        case.hessian(case.run(rtol=tolerance, atol=tolerance), "J", ["L01", "L02"]).matrix
-        for tolerance in (1e-5, 1e-7)
+        case.hessian(case.run(tolerance=tolerance), "J", ["L01", "L02"]).matrix for tolerance in (1e-5, 1e-7)
     ]
     error = [abs(one - wanted).max() / abs(wanted).max() for one in found]
     assert error[0] > 8 * error[1], error
@@ -189,7 +189,7 @@ def test_gradients_of_a_long_motion_grow() -> None:
     """Over 5 s the five-bar's derivatives by the springs are seven times as large as over 2 s."""
     case, told = known("five_bar").case, json.loads(file("five_bar"))["over_5_s"]
     found = [
-        case.gradient(case.run(rtol=rtol, atol=rtol, until=5.0, t_eval=[5.0], method=sr.Radau()))
+        case.gradient(case.run(tolerance=rtol, until=5.0, t_eval=[5.0], method=sr.Radau()))
         for rtol in (1e-6, 1e-8)
     ]
     wanted = np.array(list(told["grad"].values()))
@@ -207,7 +207,7 @@ def test_the_stretch_of_a_spring_whose_length_is_asked_for() -> None:
     case = replace(
         told.case, responses={"int_stretch2": told.case.responses["int_stretch2"], "own": own, "mean": mean}
     )
-    found = case.gradient(case.run(rtol=1e-6, atol=1e-6))
+    found = case.gradient(case.run(tolerance=1e-6))
     from_5_m, own, _ = found["l0"]
     assert own == pytest.approx(from_5_m + found.values[2], rel=1e-10)
 
@@ -220,7 +220,7 @@ def test_the_period_of_a_pendulum(row: int) -> None:
     down = sr.Event("bob.x", direction=-1, terminal=True)
     wanted, found = np.array([float(told["grad"][name]) for name in ("L", "g", "theta0")]), []
     for tolerance in (1e-6, 1e-8):
-        run = case.run(until=2.0, t_eval=None, events=down, rtol=tolerance, atol=tolerance)
+        run = case.run(until=2.0, t_eval=None, events=down, tolerance=tolerance)
         named = {"design": case.design, "formula": case.formula}
         quarter = sr.sensitivity(run, sr.Final("t"), ["L", "g", "theta0", "m"], **named)
         assert quarter.matrix[0, 3] == pytest.approx(0, abs=tolerance)

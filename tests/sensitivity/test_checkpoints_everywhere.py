@@ -115,11 +115,10 @@ def test_checkpoints_and_stored_steps(subject: str, method: str, monkeypatch: py
     system, wanted = own.system(), responses(own)
     given = {
         "until": own.until,
-        "method": METHODS[method],
+        "method": replace(METHODS[method], max_step=2 * LONGEST if "long" in method else LONGEST),
         "events": own.event or (),
-        "max_step": 2 * LONGEST if "long" in method else LONGEST,
     }
-    stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), wanted, own.wrt)
+    stored = sr.sensitivity(sr.simulate(system, store="steps", **given), wanted, own.wrt)
     found = by_checkpoints(system, wanted, own.wrt, **given)
     sampled = np.array([isinstance(one, sr.Maximum | sr.Minimum) for one in wanted])  # by checkpoints
     assert found.values[sampled] == pytest.approx(stored.values[sampled], rel=2e-6 if radau else 2e-4)
@@ -136,7 +135,7 @@ def test_extremes_have_the_derivatives_of_stored_steps(method: object, near: flo
     """The polynomial through all samples about them; a parabola through three of them was off by 2e-4 with Radau."""
     wanted = [sr.Maximum("slider.velocity.x"), sr.Minimum("slider.velocity.x"), sr.Maximum("pin.force.z")]
     names, given = ["spring.k", "gravity.z", "crank.mass"], {"until": 1.5, "method": method}
-    stored = sr.sensitivity(sr.simulate(slider_crank(), store_steps=True, **given), wanted, names)
+    stored = sr.sensitivity(sr.simulate(slider_crank(), store="steps", **given), wanted, names)
     found = by_checkpoints(slider_crank(), wanted, names, **given)
     assert found.values == pytest.approx(stored.values, rel=near)
     assert found.matrix == pytest.approx(stored.matrix, abs=near * abs(stored.matrix).max())

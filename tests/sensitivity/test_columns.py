@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from tests.prescribed_steps import run_of
 from tests.sensitivity.test_all_elements import KINDS, changes, even
 from tests.sensitivity.test_events import STOP, pendulum
 from tests.system.mechanisms import slider_crank
@@ -24,7 +25,7 @@ MANY = 2 * COLUMNS + 3  # no multiple of a panel
 def swung() -> sr.Trajectory:
     """Twenty steps of the slider-crank."""
     settings = {"rtol": 1e-4, "atol": 1e-5, "store_steps": True, "given": np.full(20, 0.01)}
-    return sr.HHT().run(slider_crank(), sr.assemble(slider_crank()), np.array([0.0, 0.2]), **settings)
+    return run_of(sr.HHT(), slider_crank(), sr.assemble(slider_crank()), np.array([0.0, 0.2]), **settings)
 
 
 @cache
@@ -39,7 +40,7 @@ runs = pytest.mark.parametrize("run", [swung, pytest.param(everything, marks=pyt
 @cache
 def struck(method: sr.HHT | sr.Radau) -> sr.Trajectory:
     """A pendulum that hits a stop, again and again."""
-    return sr.simulate(pendulum(), until=2.2, method=method, events=STOP, store_steps=True)
+    return sr.simulate(pendulum(), until=2.2, method=method, events=STOP, store="steps")
 
 
 def random_nodes(run: sr.Trajectory, responses: int) -> Nodes:
@@ -73,7 +74,7 @@ def test_each_column_is_that_of_a_sweep_of_its_own(run: Callable[[], sr.Trajecto
 
 @pytest.mark.slow
 def test_so_it_is_with_radau() -> None:
-    run = sr.simulate(even(2).system, until=0.05, method=sr.Radau(), store_steps=True)
+    run = sr.simulate(even(2).system, until=0.05, method=sr.Radau(), store="steps")
     chain, every = moved(run, MANY)
     found = chain.along(*every)
     for c in (0, 1, MANY - 1):

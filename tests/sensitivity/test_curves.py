@@ -1,5 +1,6 @@
 """Numbers of tables and formulas: their gradients forward and backward, and those of differenced simulations."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -72,7 +73,7 @@ METHODS = {"HHT": sr.HHT(), "Radau": sr.Radau()}
 
 @cache
 def swung(method: str = "HHT") -> sr.Trajectory:
-    settings = {"rtol": 1e-5, "atol": 1e-7, "store_steps": True, "method": METHODS[method]}
+    settings = {"store": "steps", "method": replace(METHODS[method], rtol=1e-5, atol=1e-7)}
     return solved(sr.simulate(sr.System(arm()), until=1.0, t_eval=[1.0], **settings), METHODS[method])
 
 
@@ -116,14 +117,19 @@ def test_parameters_of_a_file_that_stand_in_functions(tmp_path: Path) -> None:
     names, columns = ["size", "rate", "push"], []
     (tmp_path / "arm.yaml").write_text(ARM)
     run = sr.simulate(
-        sr.System(sr.load(tmp_path / "arm.yaml")), until=0.5, rtol=1e-6, atol=1e-8, store_steps=True
+        sr.System(sr.load(tmp_path / "arm.yaml")),
+        until=0.5,
+        method=sr.Radau(rtol=1e-6, atol=1e-8),
+        store="steps",
     )
     gradient = sr.sensitivity(run, RESPONSES[:3], names)
     assert abs(gradient.matrix).max(axis=0).min() > 1e-3
 
     def values(name: str, value: float) -> np.ndarray:
         other = sr.System(sr.load(tmp_path / "arm.yaml", parameters={name: value}))
-        return sr.Problem(other, RESPONSES[:3], [], until=0.5, rtol=1e-9, atol=1e-11).values([])
+        return sr.Problem(other, RESPONSES[:3], [], until=0.5, method=sr.Radau(rtol=1e-9, atol=1e-11)).values(
+            []
+        )
 
     for name, value in zip(names, (0.1, 3.0, 2.0), strict=True):
         columns.append((values(name, value + 1e-3) - values(name, value - 1e-3)) / 2e-3)
@@ -198,7 +204,7 @@ def test_laws_that_are_not_linear_in_their_constants(method: str) -> None:
     laws = {"k": "20*x*exp(0.5*x) + 30*x^3/(1.5 + x^2)", "c": "0.3*x*(1 + 0.2*x^2)"}
     spring = sr.TSDA("spring", sr.ground.point(0, 0, 0), bob.point(0, 0, 0.1), length=0.7, **laws)
     system = sr.System(sr.Model("hung", bodies=[bob], forces=[spring], gravity=(0, 0, -9.81)))
-    settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True, "method": METHODS[method]}
+    settings = {"store": "steps", "method": replace(METHODS[method], rtol=1e-6, atol=1e-8)}
     run = sr.simulate(system, until=0.4, **settings)
     responses = [sr.Final("energy.potential"), sr.Integral("spring.tension"), sr.Final("bob.velocity.z")]
     names = [name for name in written_numbers(system.model) if name.startswith(("spring.k", "spring.c"))]
@@ -216,7 +222,9 @@ def test_a_mass_under_forces_of_a_table_and_a_formula(method: str) -> None:
     ball = sr.Body("ball", mass=2, inertia=(1, 1, 1), position=(1, 0, 0))
     law = sr.PointForce("push", ball.point(0, 0, 0), force=(0, 1, 0), factor="1.5*exp(0.8*t)")
     system = sr.System(sr.Model("pushed", bodies=[ball], forces=[law]))
-    run = sr.simulate(system, until=1.0, rtol=1e-9, atol=1e-11, store_steps=True, method=METHODS[method])
+    run = sr.simulate(
+        system, until=1.0, store="steps", method=replace(METHODS[method], rtol=1e-9, atol=1e-11)
+    )
     a, c, m = 1.5, 0.8, 2.0
     found = sr.hessian(run, "ball.velocity.y", ["push.factor.1", "push.factor.2", "ball.mass"]).matrix
     area, slope = (np.exp(c) - 1) / c, np.exp(c) / c - (np.exp(c) - 1) / c**2  # of exp(c t), and by c
@@ -234,7 +242,7 @@ def test_formulas_that_cancel_have_more_constants_than_steps() -> None:
     body = sr.Body("m", mass=2, inertia=(1, 1, 1))
     load = sr.PointForce("load", body.point(0, 0, 0), ("(sin(2*t) + cos(3*t) + 4*sin(5*t))*0", "3*t", 0))
     system = sr.System(sr.Model("pushed", bodies=[body], forces=[load]))
-    run = sr.simulate(system, until=1.0, store_steps=True, max_step=0.05)
+    run = sr.simulate(system, until=1.0, store="steps", method=sr.Radau(max_step=0.05))
     found = sr.sensitivity(run, ["m.x", "m.y", "m.z"], "load.force")
     wave = (1 - np.sin(2) / 2) / 2 + (1 - np.cos(3)) / 9 + 4 * (1 - np.sin(5) / 5) / 5
     wanted = np.zeros((3, len(found.names)))

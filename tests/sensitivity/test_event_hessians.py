@@ -1,6 +1,7 @@
 """Hessians over events: closed forms, symmetry, and differences of gradients of runs with the same steps."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -87,7 +88,7 @@ def test_methods_of_order_two(kind: str, method: object) -> None:
 
 @pytest.mark.slow
 def test_two_impacts_whose_direction_and_place_change_with_time() -> None:
-    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": sr.Radau(), "t_eval": [1.7]}
+    settings = {"store": "steps", "method": sr.Radau(rtol=1e-7, atol=1e-9), "t_eval": [1.7]}
     run = sr.simulate(kinds.two_links(), until=1.7, events=kinds.STRUCK, **settings)
     assert len(run.events) == 2
     run = frozen_segments.solved(run, sr.Radau(), kinds.STRUCK)
@@ -110,7 +111,7 @@ def test_two_impacts_whose_direction_and_place_change_with_time() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT(), sr.GeneralizedAlpha(0.8)])
 def test_motions_and_forces_that_depend_on_time(method: object) -> None:
-    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": method, "t_eval": [2.2]}
+    settings = {"store": "steps", "method": replace(method, rtol=1e-7, atol=1e-9), "t_eval": [2.2]}
     run = sr.simulate(kinds.driven({}), until=2.2, events=kinds.ELBOW, **settings)
     run = frozen_segments.solved(run, method, kinds.ELBOW)
     names = [*kinds.DRIVEN, "stop.restitution"]
@@ -143,7 +144,7 @@ def stopped(changes: dict[str, float]) -> tuple[sr.System, sr.Event]:
 
 @pytest.mark.parametrize("method", [sr.HHT(step=0.02), sr.Radau()])
 def test_what_a_hessian_leaves_at_a_stop_falls_with_the_cube(method: object) -> None:
-    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": method, "t_eval": [1.5]}
+    settings = {"store": "steps", "method": replace(method, rtol=1e-7, atol=1e-9), "t_eval": [1.5]}
     run = sr.simulate(events.pendulum(), until=1.5, events=events.STOP, **settings)
     run = frozen_segments.solved(run, method, events.STOP)
     names, response = ["gravity.y", "bob.angular_velocity.z", "stop.restitution"], sr.Final(events.angle)
@@ -174,7 +175,7 @@ def test_the_time_at_which_a_driver_needs_a_torque() -> None:
     motor = sr.AngleDriver("motor", "pin", "1.5*t^2")
     crane = sr.System(sr.Model("crane", bodies=[arm], joints=[pin], drivers=[motor], gravity=(0, 0, -9.81)))
     event = sr.Event("motor.torque.y - 6", terminal=True, name="strong")
-    settings = {"rtol": 1e-9, "atol": 1e-11, "store_steps": True, "method": sr.Radau()}
+    settings = {"store": "steps", "method": sr.Radau(rtol=1e-9, atol=1e-11)}
     run = sr.simulate(crane, until=2.0, events=event, **settings)
     found = sr.hessian(run, sr.AtEvent("t", event="strong"), ["arm.mass", "gravity.z"]).matrix
     t, m, g = run.events[0].t, 2.0, 9.81
@@ -193,7 +194,7 @@ def test_the_time_at_which_a_driver_needs_a_torque() -> None:
 def test_an_impact_in_a_linkage_with_equations_that_others_imply() -> None:
     system = sr.System(sr.load(kinds.EXAMPLES / "bricard.yaml"))
     hit = sr.Event("rod_1.z + 0.062", direction=-1, reset=sr.Impact(0.5), name="hit")
-    settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True, "method": sr.Radau(), "t_eval": [0.6]}
+    settings = {"store": "steps", "method": sr.Radau(rtol=1e-6, atol=1e-8), "t_eval": [0.6]}
     run = sr.simulate(system, until=0.6, events=hit, **settings)
     run = frozen_segments.solved(run, sr.Radau(), hit)
     names, direction = ["rod_1.mass", "gravity.z", "hit.restitution"], np.array([0.1, 0.5, 0.2])

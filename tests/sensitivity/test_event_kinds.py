@@ -1,6 +1,7 @@
 """Every kind of event that a simulation takes: forward, backward, and differences of runs with the same steps."""
 
 import warnings
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -59,7 +60,7 @@ EVENTS = {
 
 @cache
 def run(kind: str, method: object = sr.Radau()) -> sr.Trajectory:
-    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": method, "t_eval": [0.4]}
+    settings = {"store": "steps", "method": replace(method, rtol=1e-7, atol=1e-9), "t_eval": [0.4]}
     found = sr.simulate(slider_crank(), until=0.4, events=EVENTS[kind], **settings)
     assert len(found.events) == 1
     return solved(found, method, EVENTS[kind])
@@ -116,6 +117,7 @@ ROUND_OFF = {
     "rate": 3e-6,
     "acceleration": 2e-5,
     "force": 2e-5,
+    "maximum of pin.angle": 1e-7,  # at the event, in a step whose positions are only near the constraints
 }  # over h², over a number's change
 
 
@@ -124,7 +126,8 @@ ROUND_OFF = {
 @pytest.mark.parametrize("kind", ["formula", "both functions"])
 def test_so_are_those_of_methods_of_order_two(kind: str, method: object) -> None:
     """Also in the long steps of such a method, at whose events states are put onto the constraints."""
-    told, chosen = responses(kind), ["spring.k", "ball.point.z", "crank.angular_velocity.x"]
+    told = [*responses(kind), sr.Maximum("pin.force.z"), sr.Integral("slider.acceleration.x")]
+    chosen = ["spring.k", "ball.point.z", "crank.angular_velocity.x"]
     stopped = run(kind, method)
     found = sr.sensitivity(stopped, told, chosen)
     scale = abs(found.matrix).max(axis=1)
@@ -132,7 +135,7 @@ def test_so_are_those_of_methods_of_order_two(kind: str, method: object) -> None
     for name, value in zip(found.names, found.at, strict=True):
         wanted = [  # now and then one of them has a hundred times the round-off of the others
             differenced(stopped, told, method, size, lambda e, n=name, x=value: moved(kind, {n: x + e}))
-            for size in (4e-3, 8e-3)
+            for size in (1e-3, 4e-3, 8e-3)  # an extreme at an event has other samples farther away
         ]
         errors = np.min(abs(found[name] - np.array(wanted)), axis=0)
         assert np.all(errors < limits * scale), (name, errors / scale)
@@ -175,7 +178,7 @@ def two_links(**changes: float) -> sr.System:
 
 @pytest.mark.slow
 def test_two_impacts_whose_direction_and_place_change_with_time() -> None:
-    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": sr.Radau(), "t_eval": [1.7]}
+    settings = {"store": "steps", "method": sr.Radau(rtol=1e-7, atol=1e-9), "t_eval": [1.7]}
     fall = sr.simulate(two_links(), until=1.7, events=STRUCK, **settings)
     assert len(fall.events) == 2
     fall = solved(fall, sr.Radau(), STRUCK)
@@ -230,7 +233,7 @@ TOLD = [
 @cache
 def precise() -> np.ndarray:
     """The gradients of the driven links to more digits than the methods of order two have."""
-    settings = {"rtol": 1e-9, "atol": 1e-11, "store_steps": True, "method": sr.Radau(), "t_eval": [2.2]}
+    settings = {"store": "steps", "method": sr.Radau(rtol=1e-9, atol=1e-11), "t_eval": [2.2]}
     return sr.sensitivity(sr.simulate(driven({}), until=2.2, events=ELBOW, **settings), TOLD, DRIVEN).matrix
 
 
@@ -238,7 +241,7 @@ def precise() -> np.ndarray:
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT(), sr.GeneralizedAlpha(0.8)])
 def test_motions_and_forces_that_depend_on_time(method: object) -> None:
     """After a stop that comes sooner they act elsewhere in the motion."""
-    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": method, "t_eval": [2.2]}
+    settings = {"store": "steps", "method": replace(method, rtol=1e-7, atol=1e-9), "t_eval": [2.2]}
     run = sr.simulate(driven({}), until=2.2, events=ELBOW, **settings)
     assert len(run.events) >= 2, run.events
     run = solved(run, method, ELBOW)
@@ -259,7 +262,7 @@ def test_motions_and_forces_that_depend_on_time(method: object) -> None:
 def test_an_impact_in_a_linkage_with_equations_that_others_imply() -> None:
     system = sr.System(sr.load(EXAMPLES / "bricard.yaml"))
     hit = sr.Event("rod_1.z + 0.062", direction=-1, reset=sr.Impact(0.5), name="hit")
-    settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True, "method": sr.Radau(), "t_eval": [0.6]}
+    settings = {"store": "steps", "method": sr.Radau(rtol=1e-6, atol=1e-8), "t_eval": [0.6]}
     run = solved(sr.simulate(system, until=0.6, events=hit, **settings), sr.Radau(), hit)
     assert len(run.events) == 1
     assert np.any(run.steps.segments[1].left_out)
@@ -284,7 +287,7 @@ def test_an_impact_in_a_linkage_with_equations_that_others_imply() -> None:
 def test_an_event_counts_the_turns_of_an_angle() -> None:
     """A formula that is not linear in the angle has other slopes a turn later."""
     wound = sr.Event("pin.angle^2 + 20*slider.x - 98", direction=-1, terminal=True, name="wound")
-    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": sr.Radau(), "t_eval": [0.0]}
+    settings = {"store": "steps", "method": sr.Radau(rtol=1e-7, atol=1e-9), "t_eval": [0.0]}
     found = sr.simulate(slider_crank(), until=3.0, events=wound, **settings)
     told, name = [sr.AtEvent("t", event="wound")], "ball.point.z"
     gradient = sr.sensitivity(found, told, [name])
@@ -317,7 +320,7 @@ def halted_in_part(t, q, v):
     ],
 )
 def test_velocities_overwritten_in_place(own: object, other: object) -> None:
-    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": sr.Radau(), "t_eval": [0.4]}
+    settings = {"store": "steps", "method": sr.Radau(rtol=1e-7, atol=1e-9), "t_eval": [0.4]}
     found = []
     for reset in (own, other):
         event = sr.Event(WHEN, direction=1, reset=reset, name="hit")
@@ -331,7 +334,7 @@ def test_a_function_that_cannot_be_recorded_is_named() -> None:
         return passed({float: t}[type(t)], q, v)
 
     event = sr.Event(looked_up, terminal=True, name="hit")
-    settings = {"store_steps": True, "method": sr.Radau(), "t_eval": [0.0]}
+    settings = {"store": "steps", "method": sr.Radau(), "t_eval": [0.0]}
     there = sr.simulate(slider_crank(), until=0.4, events=event, **settings)
     with pytest.raises(ValueError, match="cannot be differentiated through its Python function"):
         sr.sensitivity(there, sr.Final("t"), ["rod.mass"])

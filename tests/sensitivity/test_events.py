@@ -1,6 +1,7 @@
 """Events in gradients: their times move, velocities jump; closed forms of a bouncing ball, of a pendulum at a stop."""
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -58,11 +59,11 @@ def angle(o):
     return np.arctan2(o("bob.x"), -1 * o("bob.y"))
 
 
-EQUAL = {"method": sr.HHT(step=1e-3), "rtol": 1e-11}  # of which Newton's method leaves next to nothing
+EQUAL = {"method": sr.HHT(step=1e-3, rtol=1e-11)}  # of which Newton's method leaves next to nothing
 
 
 def bounced(until: float, **settings: object) -> sr.Trajectory:
-    return sr.simulate(ball(), until=until, events=BOUNCE, store_steps=True, **settings)
+    return sr.simulate(ball(), until=until, events=BOUNCE, store="steps", **settings)
 
 
 @pytest.mark.one_in(8)
@@ -93,7 +94,7 @@ def test_responses_over_the_whole_motion() -> None:
 
     def values(h: float) -> np.ndarray:
         system = sr.System(with_numbers(ball().model, {"ball.position.z": h}))
-        run = sr.simulate(system, until=1.3, events=BOUNCE, store_steps=True, **EQUAL)
+        run = sr.simulate(system, until=1.3, events=BOUNCE, store="steps", **EQUAL)
         return valued(run.system, run.steps, responses)
 
     run = bounced(1.3, **EQUAL)
@@ -114,8 +115,9 @@ def test_the_pendulum_at_a_stop(until: float, method: tuple[object, float]) -> N
     names = [*PENDULUM, *(["stop.restitution"] if until > 0.5 else [])]
     errors = []
     for rtol in (1e-4, 1e-6, 1e-8):
-        settings = {"store_steps": True, "method": simulated, "t_eval": [until]}
-        run = sr.simulate(pendulum(), until=until, events=STOP, rtol=rtol, atol=rtol, **settings)
+        tight = replace(simulated, rtol=rtol, atol=rtol)
+        settings = {"store": "steps", "method": tight, "t_eval": [until]}
+        run = sr.simulate(pendulum(), until=until, events=STOP, **settings)
         found = sr.sensitivity(run, sr.Final(angle), names, design=PENDULUM, formula=hung)
         direct = sr.sensitivity(run, sr.Final(angle), names, design=PENDULUM, formula=hung, method="direct")
         assert direct.matrix == pytest.approx(found.matrix, rel=1e-9)
@@ -128,7 +130,9 @@ def test_the_pendulum_at_a_stop(until: float, method: tuple[object, float]) -> N
 def test_the_time_of_an_event_that_ends_the_run() -> None:
     """A quarter of the period of a pendulum, 4 sqrt(L/g) K(sin²(θ₀/2)), from 90 degrees."""
     down = sr.Event("bob.x", direction=-1, terminal=True)
-    run = sr.simulate(pendulum(), until=2.0, events=down, store_steps=True, rtol=1e-8, atol=1e-10)
+    run = sr.simulate(
+        pendulum(), until=2.0, events=down, store="steps", method=sr.Radau(rtol=1e-8, atol=1e-10)
+    )
     assert run.status == "event"
     quarter = sr.Final("t", name="quarter")
     found = sr.sensitivity(run, quarter, [*PENDULUM], design=PENDULUM, formula=hung)
@@ -148,7 +152,7 @@ HIT = sr.Event("pin.angle + slider.x - 4.4", direction=1, reset=sr.Impact(0.5, a
 def test_an_impact_in_a_spatial_mechanism(name: str) -> None:
     """An event of an angle and a position, and an impulse about a joint: forward, backward, and differenced runs."""
     responses = [sr.Final("slider.x"), sr.Integral("energy.kinetic"), sr.Final("pin.angle.rate")]
-    equal = {"until": 0.4, "store_steps": True} | EQUAL
+    equal = {"until": 0.4, "store": "steps"} | EQUAL
     run = sr.simulate(slider_crank(), events=HIT, **equal)
     assert len(run.events) == 1
     found, direct = (sr.sensitivity(run, responses, [name], method=way) for way in ("adjoint", "direct"))
@@ -179,7 +183,7 @@ def test_extremes_of_a_motion_with_events() -> None:
     def run(h: float = 1.0, g: float = -9.81, e: float = 0.8) -> sr.Trajectory:
         system = sr.System(with_numbers(ball().model, {"ball.position.z": h, "gravity.z": g}))
         bounce = sr.Event("ball.z", direction=-1, reset=sr.Impact(e), name="bounce")
-        return sr.simulate(system, until=1.3, events=bounce, store_steps=True, **EQUAL)
+        return sr.simulate(system, until=1.3, events=bounce, store="steps", **EQUAL)
 
     names = ["ball.position.z", "gravity.z", "bounce.restitution"]
     found = sr.sensitivity(run(), responses, names)
@@ -254,13 +258,13 @@ def test_methods_that_store_no_steps_are_refused(events: sr.Event, method: Any) 
     with pytest.raises(
         ValueError, match=rf"{refused}Choose HHT\(\), GeneralizedAlpha\(\), Radau\(\) or a description"
     ):
-        sr.simulate(ball(), until=1.0, events=events, store_steps=True, method=method)
+        sr.simulate(ball(), until=1.0, events=events, store="steps", method=method)
 
 
 @pytest.mark.parametrize("function", [lambda t, q, v: float(q[2]), lambda t, q, v: np.fmod(q[2], 3.0)])
 def test_a_python_function_that_cannot_be_differentiated(function: object) -> None:
     run = sr.simulate(
-        ball(), until=1.0, store_steps=True, events=sr.Event(function, terminal=True, name="floor")
+        ball(), until=1.0, store="steps", events=sr.Event(function, terminal=True, name="floor")
     )
     assert run.status == "event"
     with pytest.raises(
@@ -272,13 +276,10 @@ def test_a_python_function_that_cannot_be_differentiated(function: object) -> No
 def test_an_event_that_only_grazes() -> None:
     """The ball rises by v²/2g: a gate a hair below is met, but a slightly slower ball would not meet it."""
     top = 1 + 0.5**2 / (2 * 9.81)
-    grazed, met = (
-        sr.simulate(
-            ball(), until=1.0, store_steps=True, breakpoints=[0.5 / 9.81],
-            events=sr.Event(f"ball.z - {top - gap!r}", direction=1, terminal=True, name="gate"),
-        )
-        for gap in (1e-12, 1e-4)
-    )  # fmt: skip
+    gates = (
+        sr.Event(f"ball.z - {top - gap!r}", direction=1, terminal=True, name="gate") for gap in (1e-12, 1e-4)
+    )
+    grazed, met = (sr.simulate(ball(), until=1.0, store="steps", events=[0.5 / 9.81, gate]) for gate in gates)
     assert grazed.status == met.status == "event"
     with pytest.raises(ValueError, match=r"the event gate at t = 0\.05\d* s only grazes"):
         sr.sensitivity(grazed, sr.Final("t"), ["ball.velocity.z"])
@@ -297,7 +298,7 @@ def test_a_curved_function_that_only_grazes(python: bool) -> None:
         formula = f"ball.z + ball.x^2 - {1 + gap!r}"
         function = (lambda t, q, v: q[2] + q[0] ** 2 - (1 + gap)) if python else formula
         bowl = sr.Event(function, direction=-1, terminal=True, name="bowl")
-        return sr.simulate(even, until=1.0, store_steps=True, breakpoints=[0.5], events=bowl)
+        return sr.simulate(even, until=1.0, store="steps", events=[0.5, bowl])
 
     grazed, met = (touched(gap, python) for gap in (1e-14, 1e-4))
     assert grazed.status == met.status == "event"
@@ -350,7 +351,7 @@ def falling(*names: str) -> tuple[sr.System, list[sr.Event]]:
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
 def test_two_events_at_the_same_time(method: object) -> None:
     """Two balls that hit the floor together have the derivatives of one: between their events lies no time at all."""
-    settings = {"until": 1.0, "store_steps": True, "method": method}
+    settings = {"until": 1.0, "store": "steps", "method": method}
     (both, floor), (single, below) = (falling(*places) for places in (["one", "other"], ["one"]))
     pair = sr.simulate(both, events=floor, **settings)
     alone = sr.simulate(single, events=below, **settings)
@@ -403,7 +404,7 @@ def test_outputs_at_events(method: object) -> None:
 )
 def test_events_that_are_not_there(response: sr.AtEvent, told: str) -> None:
     end = sr.Event("t - 1.9", terminal=True, name="end")
-    run = sr.simulate(ball(), until=2.0, events=[BOUNCE, end], store_steps=True)
+    run = sr.simulate(ball(), until=2.0, events=[BOUNCE, end], store="steps")
     with pytest.raises(ValueError, match=told):
         sr.sensitivity(run, response, ["gravity.z"])
     with pytest.raises(ValueError, match="the run has 0 events"):
@@ -459,7 +460,7 @@ def test_an_optimization_changes_a_restitution_by_a_formula() -> None:
     problem = sr.Problem(ball(), sr.Final("ball.z"), until=1.0, design={"e": 0.8}, events=BOUNCE, **formula)
     for e in (0.8, 0.9):
         event = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.5 * e + 0.4), name="bounce")
-        run = sr.simulate(ball(), until=1.0, events=event, store_steps=True)
+        run = sr.simulate(ball(), until=1.0, events=event, store="steps")
         assert problem.values([e]) == pytest.approx(run["ball"].position[-1, 2:], abs=1e-12)
         by_e = sr.sensitivity(run, "ball.z", ["bounce.restitution"])["bounce.restitution"]
         assert problem.gradient([e])["e"] == pytest.approx(0.5 * by_e, rel=1e-12)
@@ -467,7 +468,7 @@ def test_an_optimization_changes_a_restitution_by_a_formula() -> None:
 
 def test_a_state_at_an_event_without_derivatives_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """As where a force stops within 1e-9 m."""
-    run = sr.simulate(ball(), until=0.6, events=BOUNCE, store_steps=True)
+    run = sr.simulate(ball(), until=0.6, events=BOUNCE, store="steps")
 
     def singular(_: object) -> None:
         raise SingularSystem("the equations are dependent there")

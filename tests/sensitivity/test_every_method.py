@@ -27,7 +27,6 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:.*assembly changed"),  # states here are drawn roughly
     pytest.mark.filterwarnings("ignore:.*spline through the table"),  # of the force of `driven`
 ]
-SETTINGS = {"rtol": 1e-5, "atol": 1e-7, "store_steps": True}
 HIT = test_event_kinds.EVENTS["formula"]
 RATES = {"pin": 1.5}
 
@@ -93,7 +92,13 @@ def run(method: str, name: str) -> sr.Trajectory:
     system, more = one.system(), {"events": one.event} if one.event else {}
     start = sr.assemble(system, rates=one.rates) if one.rates else None
     found = sr.simulate(
-        system, start, until=one.until, t_eval=[0.0, one.until], method=METHODS[method], **more, **SETTINGS
+        system,
+        start,
+        until=one.until,
+        t_eval=[0.0, one.until],
+        method=replace(METHODS[method], rtol=1e-5, atol=1e-7),
+        **more,
+        store="steps",
     )
     assert bool(found.events) == bool(one.event)
     if one.event:
@@ -204,8 +209,9 @@ def test_restarted_designs_have_the_same_hessians() -> None:
     """Of a search, which simulates each design again."""
     one = SUBJECTS["impact"]
     names = [*one.direction]
-    problem = sr.Problem(pendulum(), one.response, names, until=one.until, events=STOP, method=sr.Radau(), rtol=1e-5,
-                         atol=1e-7)  # fmt: skip
+    problem = sr.Problem(
+        pendulum(), one.response, names, until=one.until, events=STOP, method=sr.Radau(rtol=1e-5, atol=1e-7),
+    )  # fmt: skip
     direction = np.array([*one.direction.values()])
     wanted = sr.hessian_product(run("Radau", "impact"), one.response, one.direction)
     left = 1e-4 * abs(wanted).max()  # by Newton's method, whose steps are not the same

@@ -47,7 +47,7 @@ EXTREMES: list[tuple[Any, Any]] = [
 
 @pytest.mark.parametrize("rtol", [1e-6, 1e-9, 1e-12])
 def test_extremes_of_a_driven_motion(rtol: float) -> None:
-    run = sr.simulate(driven(), until=0.6, store_steps=True, rtol=rtol)
+    run = sr.simulate(driven(), until=0.6, store="steps", method=sr.Radau(rtol=rtol))
     found = sr.sensitivity(run, [response for response, _ in EXTREMES], ["arm.mass"])
     for value, (response, function) in zip(found.values, EXTREMES, strict=True):
         t = np.linspace(0, 0.6, 6001)
@@ -64,7 +64,7 @@ def test_extremes_of_a_driven_motion(rtol: float) -> None:
 @pytest.mark.parametrize("rtol", [1e-6, 1e-9])
 def test_extremes_of_a_free_motion_with_derivatives(rtol: float) -> None:
     """x = 1 + a cos ωt + v/ω sin ωt has the maximum 1 + A, A = √(a² + v²/ω²), whose Hessian is that of A."""
-    run = sr.simulate(oscillator(), until=0.6, store_steps=True, rtol=rtol)
+    run = sr.simulate(oscillator(), until=0.6, store="steps", method=sr.Radau(rtol=rtol))
     found = sr.sensitivity(run, [sr.Maximum("b.x"), sr.Minimum("b.velocity.x")], NAMES)
     assert found.values == pytest.approx([1 + AMPLITUDE, -W * AMPLITUDE], rel=30 * rtol)
     assert found.matrix == pytest.approx(np.array([OF_PLACE, -W * OF_PLACE]), rel=200 * rtol)

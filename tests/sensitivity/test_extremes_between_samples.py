@@ -18,7 +18,7 @@ def test_a_short_pulse_is_not_lost() -> None:
     slide = sr.Translational("g", sr.ground, mass, point=(0.4388, 0, 0), axis=(1, 0, 0))
     spring = sr.TSDA("s", sr.ground.point(-5, 0, 0), mass.point(0, 0, 0), k=100.0, c=4.0, length=5.0)
     system = sr.System(sr.Model("m", [mass], [slide], [spring]))
-    run = sr.simulate(system, until=5.0, method=sr.Radau(), rtol=1e-8, atol=1e-10, store_steps=True)
+    run = sr.simulate(system, until=5.0, method=sr.Radau(rtol=1e-8, atol=1e-10), store="steps")
     names = ["m.position.x", "s.k"]
     found = sr.sensitivity(run, sr.Maximum("m.x"), names)
     assert found.values == pytest.approx([0.4388], rel=1e-12)
@@ -61,7 +61,7 @@ def test_the_top_within_the_last_long_step(behind: float) -> None:
     w = np.sqrt(96.0)
     top = np.arctan2(w, 2.0) / w
     system = sr.System(sr.Model("m", [mass], [slide], [spring]))
-    run = sr.simulate(system, until=top + behind, rtol=1e-4, store_steps=True)
+    run = sr.simulate(system, until=top + behind, method=sr.Radau(rtol=1e-4), store="steps")
     found = sr.sensitivity(run, sr.Maximum("m.x"), ["m.velocity.x", "s.k"])
     highest = np.exp(-2 * top) * np.sin(w * top) / w
     by_k = 5 * np.exp(-2 * top) * (w * top * np.cos(w * top) - np.sin(w * top)) / (2 * w**3)
@@ -73,7 +73,7 @@ def test_the_top_of_a_flight_between_steps(method: sr.HHT | sr.Radau) -> None:
     """z₀ + v²/2g, which no step meets; the highest step is 2 % lower where steps are 0.3 s long."""
     ball = sr.Body("ball", mass=1.0, inertia=(1, 1, 1), position=(0, 0, 1), velocity=(0, 0, 5))
     system = sr.System(sr.Model("ball", [ball], gravity=(0, 0, -9.81)))
-    run = sr.simulate(system, until=1.2, method=method, store_steps=True)
+    run = sr.simulate(system, until=1.2, method=method, store="steps")
     assert abs(run.steps.t - 5 / 9.81).min() > 0.01
     names = ["ball.position.z", "ball.velocity.z", "gravity.z"]
     found = sr.sensitivity(run, sr.Maximum("ball.z"), names)

@@ -47,8 +47,9 @@ ROUGH = {
 
 @cache
 def swung(method: str) -> sr.Trajectory:
-    settings = {"rtol": 1e-4, "atol": 1e-6, "store_steps": True}
-    run = sr.simulate(slider_crank(), until=0.8, method=METHODS[method], **settings)
+    run = sr.simulate(
+        slider_crank(), until=0.8, method=replace(METHODS[method], rtol=1e-4, atol=1e-6), store="steps"
+    )
     return solved(run, METHODS[method])
 
 
@@ -124,7 +125,7 @@ EXTREMES = [sr.Maximum("slider.velocity.x"), sr.Minimum("slider.velocity.x"), sr
 
 def test_an_extreme_between_steps_has_the_derivatives_of_its_value() -> None:
     """Those of the number that is told, with one weight for each of three nodes."""
-    run = sr.simulate(slider_crank(), until=1.5, rtol=1e-5, atol=1e-7, store_steps=True, method=sr.HHT())
+    run = sr.simulate(slider_crank(), until=1.5, store="steps", method=sr.HHT(rtol=1e-5, atol=1e-7))
     run = solved(run, sr.HHT())
     found = sr.sensitivity(run, EXTREMES, ["spring.k"]).matrix[:, 0]
     assert found == pytest.approx(differenced(run, EXTREMES, "spring.k", 1e-3, sr.HHT()), rel=2e-5)
@@ -134,7 +135,7 @@ def test_the_derivative_of_an_extreme_converges_with_the_square_of_the_step() ->
     """To those of the motion, found by DOP853 to twelve digits: the extreme's time must converge, too."""
     wanted, errors = np.array([0.01429149, -0.00728181]), []
     for h in (4e-3, 1e-3, 5e-4):
-        run = sr.simulate(slider_crank(), until=1.5, rtol=1e-9, store_steps=True, method=sr.HHT(step=h))
+        run = sr.simulate(slider_crank(), until=1.5, store="steps", method=sr.HHT(step=h, rtol=1e-9))
         errors.append(abs(sr.sensitivity(run, EXTREMES[:2], ["spring.k"]).matrix[:, 0] - wanted).max())
     assert errors[0] > 4 * errors[1], errors
     assert errors[0] > 64 * errors[2], errors
@@ -152,7 +153,7 @@ def test_state_derivatives_satisfy_the_differentiated_constraints() -> None:
 def test_an_angle_at_one_time_has_all_its_turns() -> None:
     wheel = sr.Body("wheel", mass=1.0, inertia=(1, 1, 1), angular_velocity=(0, 0, 3.0))
     pin = sr.Revolute("pin", sr.ground, wheel, point=(0, 0, 0), axis=(0, 0, 1))
-    run = sr.simulate(sr.System(sr.Model("wheel", [wheel], [pin])), until=5.0, store_steps=True)
+    run = sr.simulate(sr.System(sr.Model("wheel", [wheel], [pin])), until=5.0, store="steps")
     found = sr.sensitivity(
         run, [sr.At("pin.angle", time=t) for t in (0.5, 4.5)], ["wheel.angular_velocity.z"]
     )
@@ -161,7 +162,7 @@ def test_an_angle_at_one_time_has_all_its_turns() -> None:
 
 
 def test_a_run_that_failed_is_refused() -> None:
-    run = sr.simulate(slider_crank(), until=0.05, store_steps=True)
+    run = sr.simulate(slider_crank(), until=0.05, store="steps")
     failed = replace(run, success=False, message="steps become too small near t = 0.05 s")
     with pytest.raises(ValueError, match=r"reached its end, but .*steps become too small"):
         sr.sensitivity(failed, "slider.x")
@@ -169,7 +170,7 @@ def test_a_run_that_failed_is_refused() -> None:
 
 def test_a_run_without_steps_is_refused() -> None:
     run = sr.simulate(slider_crank(), until=0.1)
-    with pytest.raises(ValueError, match="store_steps=True"):
+    with pytest.raises(ValueError, match="store='steps'"):
         sr.sensitivity(run, "slider.x")
 
 

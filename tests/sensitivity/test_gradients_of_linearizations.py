@@ -68,7 +68,7 @@ def test_a_state_of_a_run_keeps_its_coordinates(name: str) -> None:
     plant = sr.linearize(system, state, coordinates=[name], outputs=OUTPUTS)
 
     def linearized(other: sr.System) -> sr.StateSpace:
-        q, none, of = state.q.copy(), np.zeros(other.nq), of_names(other, [name])
+        q, none, of = state.q.copy(), np.zeros(other.nq), of_names(other, (name,))
         for _ in range(12):  # Newton's method
             rows = np.vstack([other.Phi_q(q, 0.0).toarray(), of.gradients(q)])
             gap = np.concatenate([other.Phi(q, 0.0), of.values(q, none)[0] - plant.x0[:1]])
@@ -148,7 +148,7 @@ def test_frequency_responses_of_a_loop() -> None:
 def test_redundant_constraints_and_a_table() -> None:
     """Mass and stiffness of a parallelogram, three of whose equations are redundant."""
     model = replace(parallelogram().model, drivers=[], gravity=(0, -9.81, 0))
-    law = [[-1, 260], [-0.5, 245], [0, 240], [0.5, 250], [1, 270]]
+    law = [[-1, 260], [-0.5, 245], [0, 240], [0.5, 250], [1, 270], [1.5, 300]]
     coupler, rocker = model.bodies[1:]
     spring = sr.TSDA("spring", sr.ground.point(0.1, 2, 0), coupler.point(0, 0, 0), k=law, c=2.0, length=1.0)
     system = sr.System(replace(model, forces=[spring]))

@@ -1,6 +1,7 @@
 """Second derivatives: symmetric, those of differenced gradients, Taylor's remainder of order three, references."""
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -43,8 +44,9 @@ DIRECTION = np.random.default_rng(0).normal(size=len(NAMES))
 def swung(method: str) -> sr.Trajectory:
     if method in METHODS:
         return alpha_swung(method)
-    settings = {"rtol": 2e-6, "atol": 1e-8, "store_steps": True}  # no two samples beside a peak are equal
-    run = sr.simulate(slider_crank(), until=0.8, method=EVERY[method], **settings)
+    run = sr.simulate(
+        slider_crank(), until=0.8, method=replace(EVERY[method], rtol=2e-6, atol=1e-8), store="steps"
+    )
     return solved(run, EVERY[method])
 
 
@@ -90,7 +92,7 @@ def test_the_correction_of_a_start_has_second_derivatives() -> None:
     system, names = slider_crank(), ["pin.point.y", "ball.point.z", "slider.velocity.x", "rod.mass"]
     random, direction = np.random.default_rng(5), np.array([1.0, -0.7, 0.4, 0.5])
     guess = system.q0 + 0.1 * random.normal(size=system.nq), random.normal(size=system.nq)
-    settings = {"rtol": 1e-3, "atol": 1e-6, "store_steps": True, "method": EVERY["Radau"]}
+    settings = {"store": "steps", "method": replace(EVERY["Radau"], rtol=1e-3, atol=1e-6)}
     run = sr.simulate(system, sr.assemble(system, *guess), until=2e-3, **settings)
     values, response = Parameters(system, names).values, sr.Final("slider.velocity.x")
 
@@ -128,7 +130,9 @@ def test_what_a_hessian_leaves_falls_with_the_cube(method: str) -> None:
 def test_the_hessian_of_the_published_slider_crank() -> None:
     told = json.loads((FOLDER / "S04_sundials_slider_crank.json").read_text())
     wanted, names = np.array(told["hess_G"]), list(SUNDIALS)
-    run = sr.simulate(sundials_crank(), until=10.0, t_eval=[10.0], rtol=1e-7, atol=1e-7, store_steps=True)
+    run = sr.simulate(
+        sundials_crank(), until=10.0, t_eval=[10.0], method=sr.Radau(rtol=1e-7, atol=1e-7), store="steps"
+    )
     found = sr.hessian(run, sr.Integral("energy.kinetic"), names, design=SUNDIALS, formula=sundials)
     assert found.asymmetry < 1e-9
     assert abs(found.matrix - wanted).max() < 2e-3 * abs(wanted).max()
@@ -138,7 +142,9 @@ def test_the_hessian_of_the_spatial_slider_crank() -> None:
     told = json.loads((FOLDER / "slider_crank_gradients.json").read_text())["hessian_of_response_2_T2"]
     wanted = np.array(told["value"])
     names = [{"spring.length0": "spring.length"}.get(name, name) for name in told["parameters"]]
-    run = sr.simulate(slider_crank(), until=2.0, t_eval=[2.0], rtol=1e-7, atol=1e-7, store_steps=True)
+    run = sr.simulate(
+        slider_crank(), until=2.0, t_eval=[2.0], method=sr.Radau(rtol=1e-7, atol=1e-7), store="steps"
+    )
     squared = sr.Integral(lambda o: o("slider.velocity.x") ** 2)
     found = sr.hessian(run, squared, names)
     assert abs(found.matrix - wanted).max() < 2e-3 * abs(wanted).max()
@@ -149,7 +155,7 @@ def test_with_radau_it_comes_near_to_that_of_the_motion(rtol: float, limit: floa
     told = json.loads((FOLDER / "slider_crank_gradients.json").read_text())["hessian_of_response_2_T2"]
     wanted = np.array(told["value"])
     names = [{"spring.length0": "spring.length"}.get(name, name) for name in told["parameters"]]
-    settings = {"rtol": rtol, "atol": rtol, "store_steps": True, "method": sr.Radau()}
+    settings = {"store": "steps", "method": sr.Radau(rtol=rtol, atol=rtol)}
     run = sr.simulate(slider_crank(), until=2.0, t_eval=[2.0], **settings)
     found = sr.hessian(run, sr.Integral(lambda o: o("slider.velocity.x") ** 2), names)
     assert found.asymmetry < 1e-12

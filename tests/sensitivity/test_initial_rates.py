@@ -31,7 +31,7 @@ def spun(w0: float) -> sr.Trajectory:
     pin = sr.Revolute("pin", sr.ground, rotor, point=(0, 0, 0), axis=(0, 0, 1))
     drag = sr.Torque("drag", "pin", value="-pin.rate*abs(pin.rate)")
     system = sr.System(sr.Model("rotor", [rotor], [pin], [drag], rates={"pin": w0}))
-    return sr.simulate(system, until=0.4, rtol=1e-10, store_steps=True)
+    return sr.simulate(system, until=0.4, method=sr.Radau(rtol=1e-10), store="steps")
 
 
 def test_gradients_and_hessians_by_a_rate_are_those_of_the_closed_form() -> None:
@@ -87,7 +87,7 @@ def test_what_a_file_gives_has_derivatives_in_linkages(tmp_path: Path, given: st
     text = FILE.replace(GIVEN[0], "").replace(f"position: {body}", f"position: {body}, {given}")
     text = FILE if given == GIVEN[0] else text
     file.write_text(text)
-    run = sr.simulate(sr.System(sr.load(file)), until=0.1, rtol=1e-10, store_steps=True)
+    run = sr.simulate(sr.System(sr.load(file)), until=0.1, method=sr.Radau(rtol=1e-10), store="steps")
 
     def slopes(w0: float, radius: float) -> list[float]:
         return [

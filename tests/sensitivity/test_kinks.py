@@ -11,10 +11,11 @@ from tests.sensitivity.test_events import BOUNCE, ball
 
 import sarrus as sr
 from sarrus import functions
+from sarrus.analyses.sensitivity import long_run
 
 X0, K, END = 0.3, 10.0, 3.0
 NAMES = ["m.position.x", "s.k"]
-RADAU = {"method": sr.Radau(), "rtol": 1e-10, "atol": 1e-12}
+RADAU = {"method": sr.Radau(rtol=1e-10, atol=1e-12)}
 
 
 def oscillator() -> sr.System:
@@ -27,7 +28,7 @@ def oscillator() -> sr.System:
 
 @pytest.fixture(scope="module")
 def run() -> sr.Trajectory:
-    return sr.simulate(oscillator(), until=END, store_steps=True, **RADAU)
+    return sr.simulate(oscillator(), until=END, store="steps", **RADAU)
 
 
 def x(t: float) -> float:
@@ -113,7 +114,7 @@ def test_forwards_backwards_and_steps_of_order_two(run: sr.Trajectory) -> None:
     wanted = np.array([integrated(lambda t, n=n: np.sign(x(t)) * x_p(t)[n], 0.0) for n in (0, 1)])
     errors = []
     for step in (0.01, 0.005):
-        settings = {"method": sr.HHT(step=step), "store_steps": True}
+        settings = {"method": sr.HHT(step=step), "store": "steps"}
         coarse = sr.sensitivity(sr.simulate(oscillator(), until=END, **settings), response, NAMES)
         errors.append(abs(coarse.matrix[0] - wanted).max())
     assert errors[0] < 2e-3
@@ -149,7 +150,7 @@ def bounced(height: float, restitution: float, level: float = 0.4, end: float = 
 
 def test_kinks_between_events() -> None:
     """Impacts move the times of nodes and of kinks."""
-    begun = sr.simulate(ball(), until=2.0, events=BOUNCE, store_steps=True, method=sr.Radau())
+    begun = sr.simulate(ball(), until=2.0, events=BOUNCE, store="steps", method=sr.Radau())
     found = sr.sensitivity(
         begun, sr.Integral(lambda o: np.abs(o("ball.z") - 0.4)), ["ball.position.z", "bounce.restitution"]
     )
@@ -160,17 +161,6 @@ def test_kinks_between_events() -> None:
         (bounced(1.0, 0.8 + e) - bounced(1.0, 0.8 - e)) / (2 * e),
     ]
     assert found.matrix[0] == pytest.approx(wanted, rel=1e-6)
-
-
-def test_what_is_taken_at_a_kink_itself_is_said(run: sr.Trajectory) -> None:
-    quarter = float(np.pi / 2 / np.sqrt(K))
-    with pytest.warns(sr.SarrusWarning, match="one side only"):
-        found = sr.sensitivity(run, sr.At(lambda o: np.abs(o("m.x")), time=quarter), NAMES)
-    assert found.warnings
-    assert not sr.sensitivity(run, sr.At(lambda o: np.abs(o("m.x")), time=0.9 * quarter), NAMES).warnings
-    data = sr.Misfit(lambda o: np.abs(o("m.x")), at=[0.1, quarter], data=[0.1, 0.1])
-    with pytest.warns(sr.SarrusWarning, match="one side only"):
-        sr.sensitivity(run, data, NAMES)
 
 
 def bent(slope: Callable[[float], float], levels: list[float]) -> np.ndarray:
@@ -216,7 +206,7 @@ def test_hessians_of_integrals_of_accelerations_and_with_steps_of_order_two(run:
     assert found == pytest.approx(K * wanted + by_k, rel=0, abs=2e-6 * abs(K * wanted).max())
     errors = []
     for step in (0.01, 0.005):
-        coarse = sr.simulate(oscillator(), until=END, method=sr.HHT(step=step), store_steps=True)
+        coarse = sr.simulate(oscillator(), until=END, method=sr.HHT(step=step), store="steps")
         errors.append(
             abs(sr.hessian(coarse, sr.Integral(lambda o: np.abs(o("m.x"))), NAMES).matrix - wanted).max()
         )
@@ -225,7 +215,7 @@ def test_hessians_of_integrals_of_accelerations_and_with_steps_of_order_two(run:
 
 
 def test_hessians_of_kinks_between_events() -> None:
-    begun = sr.simulate(ball(), until=2.0, events=BOUNCE, store_steps=True, method=sr.Radau())
+    begun = sr.simulate(ball(), until=2.0, events=BOUNCE, store="steps", method=sr.Radau())
     names = ["ball.position.z", "bounce.restitution"]
     found = sr.hessian(begun, sr.Integral(lambda o: np.abs(o("ball.z") - 0.4)), names)
 
@@ -271,23 +261,29 @@ def test_hessians_of_extremes_at_kinks_with_steps_of_order_two() -> None:
     """Their error falls with the steps."""
     wanted, errors = 0.3 * hessian_of_the_crossing(), []
     for step in (0.004, 0.001):
-        coarse = sr.simulate(oscillator(), until=0.5, method=sr.HHT(step=step), store_steps=True)
+        coarse = sr.simulate(oscillator(), until=0.5, method=sr.HHT(step=step), store="steps")
         errors.append(abs(sr.hessian(coarse, sr.Minimum(drifting), NAMES).matrix - wanted).max())
     assert errors[0] < 1e-2 * abs(wanted).max()
     assert errors[1] < 0.4 * errors[0]
 
 
-def test_runs_without_stored_states_are_no_silent_approximation(
-    run: sr.Trajectory,
-) -> None:
-    kinked = sr.Integral(lambda o: np.abs(o("m.x")))
+def test_kinks_of_runs_without_stored_states(run: sr.Trajectory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their steps are split, too, interval by interval."""
+    monkeypatch.setattr(long_run, "FIRST", 5)
+    responses = [sr.Integral(lambda o: np.abs(o("m.x"))), sr.Minimum(drifting)]
+    wanted = sr.sensitivity(run, responses, NAMES, error=True)
+    found = by_checkpoints(oscillator(), responses, NAMES, until=run.t[-1], error=True, **RADAU)
+    assert found.values == pytest.approx(wanted.values, rel=1e-12)
+    np.testing.assert_allclose(found.matrix, wanted.matrix, rtol=1e-10, atol=1e-12)
+    assert found.errors[0].estimate == pytest.approx(wanted.errors[0].estimate, rel=1e-6)
+
+
+def test_an_absolute_value_without_kinks_is_smooth(run: sr.Trajectory) -> None:
     smooth = sr.Integral(lambda o: np.abs(o("m.x") + 1))  # never zero
     other = sr.Integral(lambda o: o("m.x") + 1)
     assert sr.hessian(run, smooth, NAMES).matrix == pytest.approx(
         sr.hessian(run, other, NAMES).matrix, rel=1e-9
     )
-    with pytest.warns(sr.SarrusWarning, match="not split"):
-        by_checkpoints(oscillator(), kinked, NAMES, until=0.6, **RADAU)
 
 
 @pytest.mark.parametrize(

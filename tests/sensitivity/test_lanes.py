@@ -151,7 +151,7 @@ def test_what_changes_of_numbers_do_is_found_element_by_element(crank: sr.System
     at, random, width = states(crank), np.random.default_rng(4), 2
     dots = random.normal(size=(5, len(crank.b)))
     dots[0], dots[1, np.arange(len(crank.b)) != 30], dots[2, random.random(len(crank.b)) < 0.9] = 0, 0, 0
-    run = sr.simulate(crank, until=1e-3, store_steps=True, method=sr.HHT())
+    run = sr.simulate(crank, until=1e-3, store="steps", method=sr.HHT())
     tables = Record(crank, run.steps).operations[STEP].tables
     moved = changes(crank, [None, tables, None], dots, width)
     order = [side_by_side(at[name]) for name in ("t", *by_numbers.CHANGES[:-1])]

@@ -74,7 +74,7 @@ def test_the_way_through_the_construction_is_made_once(monkeypatch: pytest.Monke
     system = sr.System(slider_crank().model)
     names = ["spring.k", "rod.mass"]
     for until in (0.05, 0.1):
-        run = sr.simulate(system, until=until, store_steps=True)
+        run = sr.simulate(system, until=until, store="steps")
         sr.hessian(run, "slider.x", names)
         sr.sensitivity(run, "slider.x", names, method="direct")
     assert len(made) == 1
@@ -84,7 +84,7 @@ def test_the_way_through_the_construction_is_made_once(monkeypatch: pytest.Monke
 
 def test_a_design_is_recorded_each_time() -> None:
     """A formula may compute something else the next time."""
-    run = sr.simulate(slider_crank(), until=0.05, store_steps=True)
+    run = sr.simulate(slider_crank(), until=0.05, store="steps")
     given: dict[str, float] = {}
     found = []
     for power in (1.0, 2.0):
@@ -97,6 +97,6 @@ def test_a_design_is_recorded_each_time() -> None:
 def test_second_derivatives_by_an_orientation() -> None:
     """Euler parameters of a guess are brought to unit length: e0 = 1 / sqrt(1 + e2²)."""
     body = sr.Body("body", mass=1.0, inertia=(1.0, 1.0, 1.0))
-    run = sr.simulate(sr.System(sr.Model("still", bodies=[body])), until=0.1, store_steps=True)
+    run = sr.simulate(sr.System(sr.Model("still", bodies=[body])), until=0.1, store="steps")
     found = sr.hessian(run, "body.e0", ["body.orientation.e2", "body.orientation.e3"])
     assert np.allclose(found.matrix, -np.eye(2), atol=1e-12)

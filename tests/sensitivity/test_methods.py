@@ -1,5 +1,6 @@
 """Derivatives of every implicit method: they come from its description, and each is of the very number computed."""
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -26,7 +27,6 @@ RESPONSES = [
     sr.At("pin.force.z", time=0.2),
 ]
 NAMES = ["crank.mass", "spring.k", "spring.c", "pin.point.y", "gravity.z", "crank.angular_velocity.x"]
-SETTINGS = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True}
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # where the crank's rate is changed
 
 every = pytest.mark.parametrize("name", METHODS)
@@ -34,7 +34,13 @@ every = pytest.mark.parametrize("name", METHODS)
 
 @cache
 def swung(name: str) -> sr.Trajectory:
-    run = sr.simulate(slider_crank(), until=0.4, t_eval=[0.4], method=METHODS[name], **SETTINGS)
+    run = sr.simulate(
+        slider_crank(),
+        until=0.4,
+        t_eval=[0.4],
+        method=replace(METHODS[name], rtol=1e-6, atol=1e-8),
+        store="steps",
+    )
     return solved(run, METHODS[name])
 
 
@@ -105,8 +111,8 @@ def test_remainders_of_taylor_series_have_their_orders(name: str) -> None:
 @every
 def test_checkpoints_give_the_same_gradient(name: str) -> None:
     """Over events, too."""
-    system, settings = stopped(), {"rtol": 1e-6, "atol": 1e-8, "until": 1.0, "method": METHODS[name]}
-    run = sr.simulate(system, t_eval=[1.0], events=STOP, store_steps=True, **settings)
+    system, settings = stopped(), {"until": 1.0, "method": replace(METHODS[name], rtol=1e-6, atol=1e-8)}
+    run = sr.simulate(system, t_eval=[1.0], events=STOP, store="steps", **settings)
     assert run.steps.event_steps
     responses = [sr.Final("bob.x"), sr.Integral("energy.kinetic")]
     wanted = sr.sensitivity(run, responses)
@@ -136,7 +142,11 @@ def test_sweeps_are_compiled_once_for_all_methods() -> None:
 def test_steps_after_an_event_have_pivots_of_their_own(name: str, rtol: float) -> None:
     """The rod is horizontal or upright there: pivots that suit the last step are nothing but round-off."""
     run = sr.simulate(
-        stopped(), until=1.0, events=STOP, store_steps=True, rtol=rtol, atol=rtol / 100, method=METHODS[name]
+        stopped(),
+        until=1.0,
+        events=STOP,
+        store="steps",
+        method=replace(METHODS[name], rtol=rtol, atol=rtol / 100),
     )
     responses = [sr.Final("bob.x"), sr.Integral("energy.kinetic")]
     direct, adjoint = (sr.sensitivity(run, responses, method=way).matrix for way in ("direct", "adjoint"))

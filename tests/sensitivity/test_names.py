@@ -29,7 +29,7 @@ forces:
 def loaded(folder: Path, **given: float) -> sr.Trajectory:
     (folder / "swing.yaml").write_text(SWING)
     system = sr.System(sr.load(folder / "swing.yaml", parameters=given or None))
-    return sr.simulate(system, until=0.3, method=sr.HHT(step=0.01), store_steps=True)
+    return sr.simulate(system, until=0.3, method=sr.HHT(step=0.01), store="steps")
 
 
 def test_a_parameter_is_meant_where_a_number_has_its_name(tmp_path: Path) -> None:
@@ -66,7 +66,7 @@ forces:
 def test_a_parameter_places_a_plane(tmp_path: Path) -> None:
     (tmp_path / "ball.yaml").write_text(BALL)
     system = sr.System(sr.load(tmp_path / "ball.yaml"))
-    run = sr.simulate(system, until=0.1, method=sr.HHT(step=0.005), store_steps=True)
+    run = sr.simulate(system, until=0.1, method=sr.HHT(step=0.005), store="steps")
     found = sr.sensitivity(run, "ball.z", ["floor"])["floor"]
     assert found == pytest.approx(
         sr.sensitivity(run, "ball.z", ["floor.plane.point.z"])["floor.plane.point.z"]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.prescribed_steps import run_of
 from tests.sensitivity.frozen import again, differenced, solved
 from tests.sensitivity.frozen import values as valued
 from tests.sensitivity.test_curves import ARM
@@ -47,7 +48,7 @@ def system() -> sr.System:
 
 @cache
 def run() -> sr.Trajectory:
-    settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True, "method": sr.Radau()}
+    settings = {"store": "steps", "method": sr.Radau(rtol=1e-6, atol=1e-8)}
     return sr.simulate(system(), until=2.0, t_eval=np.linspace(0, 2.0, 81), **settings)
 
 
@@ -167,7 +168,7 @@ def test_a_derivative_of_her_own_is_that_of_the_recorded_function() -> None:
 
 @pytest.mark.slow
 def test_second_derivatives_ask_for_those_of_her_own_function() -> None:
-    fall = sr.simulate(system(), until=0.1, store_steps=True)
+    fall = sr.simulate(system(), until=0.1, store="steps")
     with pytest.raises(ValueError, match="second derivatives need those of your own function"):
         sr.hessian(fall, sr.Final(with_her_own_derivative), ["arm.mass"])
 
@@ -185,7 +186,7 @@ def test_second_derivatives_ask_for_those_of_her_own_function() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["spring.tension", "energy.total", "motor.torque"])
 def test_second_derivatives_are_those_of_differenced_gradients(name: str) -> None:
-    fall = solved(sr.simulate(system(), until=0.1, store_steps=True, method=sr.HHT()), sr.HHT())
+    fall = solved(sr.simulate(system(), until=0.1, store="steps", method=sr.HHT()), sr.HHT())
     names = ["arm.angular_velocity.z", "tip.velocity.y"]
 
     def slope(e: float) -> np.ndarray:
@@ -202,7 +203,7 @@ def test_numbers_of_a_formula_in_a_law(tmp_path: Path) -> None:
     """The tension depends on them by itself, too."""
     (tmp_path / "arm.yaml").write_text(ARM)
     system = sr.System(sr.load(tmp_path / "arm.yaml"))
-    settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True, "method": sr.Radau()}
+    settings = {"store": "steps", "method": sr.Radau(rtol=1e-6, atol=1e-8)}
     swing = solved(sr.simulate(system, until=0.5, t_eval=[0.5], **settings), sr.Radau())
     responses = [sr.Final("spring.tension"), sr.Integral("spring.tension")]
     found = {
@@ -222,7 +223,7 @@ def differenced_file(swing: sr.Trajectory, responses: list, path: Path) -> np.nd
         system = sr.System(sr.load(path))
         steps = swing.steps
         settings = {"rtol": steps.rtol, "atol": steps.atol, "store_steps": True, "given": steps.h}
-        again = sr.Radau().run(system, sr.assemble(system), np.array([0.0, 0.5]), **settings)
+        again = run_of(sr.Radau(), system, sr.assemble(system), np.array([0.0, 0.5]), **settings)
         return valued(system, again.steps, responses)
 
     slopes = [(at(0.1 + e) - at(0.1 - e)) / (2 * e) for e in (4e-4, 2e-4)]
@@ -231,7 +232,7 @@ def differenced_file(swing: sr.Trajectory, responses: list, path: Path) -> np.nd
 
 def test_a_body_may_be_called_energy() -> None:
     body = sr.Body("energy", mass=1.0, inertia=(1.0, 1.0, 1.0), velocity=(2.0, 0.0, 0.0))
-    run = sr.simulate(sr.System(sr.Model("named", bodies=[body])), until=0.1, store_steps=True)
+    run = sr.simulate(sr.System(sr.Model("named", bodies=[body])), until=0.1, store="steps")
     found = sr.sensitivity(run, ["energy.x", "energy.kinetic"], ["energy.mass", "energy.velocity.x"])
     assert np.allclose(found.values, [0.2, 2.0])
     assert np.allclose(found.matrix, [[0.0, 0.1], [2.0, 2.0]])

@@ -13,14 +13,7 @@ from sarrus.elements.element import Curve, Scalar, Vec3
 from sarrus.model.laws.curve import curve_of
 from sarrus.model.primitive import Primitive
 
-SETTINGS = {
-    "until": 0.2,
-    "t_eval": [0.2],
-    "store_steps": True,
-    "rtol": 1e-9,
-    "atol": 1e-11,
-    "method": sr.Radau(),
-}
+SETTINGS = {"until": 0.2, "t_eval": [0.2], "store": "steps", "method": sr.Radau(rtol=1e-9, atol=1e-11)}
 AT, LENGTH = 0.5, 0.8
 
 

@@ -1,5 +1,7 @@
 """Responses of motions that drivers prescribe, whose steps are longer than the reactions change."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -42,7 +44,7 @@ def test_extremes_and_integrals_of_reactions_are_those_of_the_prescribed_motion(
     An integral of reactions needs `max_step`; a maximum is that of the reactions that the run reports.
     """
     responses = [sr.Maximum("motor.torque.z"), sr.Integral(lambda o: o("motor.torque.z") ** 2, name="square")]
-    run = sr.simulate(crank_rocker(), until=1.0, method=method, max_step=0.02, store_steps=True)
+    run = sr.simulate(crank_rocker(), until=1.0, method=replace(method, max_step=0.02), store="steps")
     found = sr.sensitivity(run, responses, ["rocker.mass"])
     assert found.values == pytest.approx(expected(crank_rocker()), rel=digits)
     change = 1e-4
@@ -52,7 +54,7 @@ def test_extremes_and_integrals_of_reactions_are_those_of_the_prescribed_motion(
 
 def test_error_estimate_contains_what_is_interpolated():
     """The estimate is not that of the steps alone, which are exact."""
-    run = sr.simulate(crank_rocker(), until=1.0, store_steps=True)
+    run = sr.simulate(crank_rocker(), until=1.0, store="steps")
     found = run.error(sr.Integral(lambda o: o("motor.torque.z") ** 2, name="square"))
     exact = expected(crank_rocker())[1]
     assert 1e-3 * exact < abs(found.value - exact) < 3 * found.error

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.prescribed_steps import run_of
 from tests.sensitivity.designs import SUNDIALS, sundials, sundials_crank
 from tests.sensitivity.frozen import differenced, solved
 from tests.sensitivity.test_all_elements import KINDS, changes, disagreement
@@ -37,8 +38,9 @@ NAMES = [
 
 @cache
 def swung() -> sr.Trajectory:
-    settings = {"rtol": 2.6e-6, "atol": 1e-8, "store_steps": True}  # no two samples beside a peak are equal
-    run = sr.simulate(slider_crank(), until=0.8, t_eval=[0.8], method=sr.Radau(), **settings)
+    run = sr.simulate(
+        slider_crank(), until=0.8, t_eval=[0.8], method=sr.Radau(rtol=2.6e-6, atol=1e-8), store="steps"
+    )
     return solved(run, sr.Radau())
 
 
@@ -57,9 +59,15 @@ def test_forward_and_backward_agree_for_every_number_of_the_model() -> None:
 
 def test_gradients_of_coarse_runs_are_those_of_the_very_number_too() -> None:
     """However large the tolerances are."""
-    settings = {"rtol": 1e-2, "atol": 1e-3, "store_steps": True, "max_step": 0.05}
     run = solved(
-        sr.simulate(slider_crank(), until=0.8, t_eval=[0.8], method=sr.Radau(), **settings), sr.Radau()
+        sr.simulate(
+            slider_crank(),
+            until=0.8,
+            t_eval=[0.8],
+            method=sr.Radau(rtol=1e-2, atol=1e-3, max_step=0.05),
+            store="steps",
+        ),
+        sr.Radau(),
     )
     found, name = sr.sensitivity(run, RESPONSES), "rod.inertia.yy"
     scale = np.maximum(abs(found.matrix).max(axis=1), 1e-3)
@@ -76,8 +84,18 @@ def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
 
 @cache
 def zoo_run() -> sr.Trajectory:
-    settings = {"rtol": 1e-5, "atol": 1e-6, "store_steps": True, "corners": False}
-    return solved(sr.simulate(zoo(), until=0.1, t_eval=[0.1], method=sr.Radau(), **settings), sr.Radau())
+    return solved(
+        run_of(
+            sr.Radau(),
+            zoo(),
+            sr.assemble(zoo()),
+            np.array([0.0, 0.1]),
+            rtol=1e-5,
+            atol=1e-6,
+            store_steps=True,
+        ),
+        sr.Radau(),
+    )
 
 
 @pytest.mark.slow
@@ -96,7 +114,7 @@ def test_derivatives_of_every_element_are_those_of_differenced_simulations() -> 
         other.b[:] = system.b + e * db[:, 0]
         begin = sr.assemble(other, start.asked.q + e * dq[:, 0], start.asked.v + e * dv[:, 0])
         settings = {"rtol": steps.rtol, "atol": steps.atol, "store_steps": True, "given": steps.h}
-        return sr.Radau().run(other, begin, np.array([0.0, 0.1]), **settings).steps
+        return run_of(sr.Radau(), other, begin, np.array([0.0, 0.1]), **settings).steps
 
     e = 2e-4
     ends = {d: moved(d) for d in (e, -e, e / 2, -e / 2)}
@@ -108,7 +126,7 @@ def test_derivatives_of_every_element_are_those_of_differenced_simulations() -> 
 
 def test_a_linkage_with_equations_that_others_imply() -> None:
     system = sr.System(sr.load(EXAMPLES / "bricard.yaml"))
-    settings = {"rtol": 1e-6, "atol": 1e-7, "store_steps": True, "method": sr.Radau()}
+    settings = {"store": "steps", "method": sr.Radau(rtol=1e-6, atol=1e-7)}
     run = sr.simulate(system, until=0.5, t_eval=[0.5], **settings)
     assert np.any(run.steps.left_out)
     responses = [sr.Final("rod_1.x"), sr.Integral("energy.kinetic"), sr.At("rod_1.acceleration.z", time=0.3)]
@@ -128,7 +146,7 @@ def test_gradients_approach_those_of_continuous_time_at_order_five() -> None:
     def at(count: int) -> np.ndarray:
         lengths = np.full(count, until / count)
         settings = {"rtol": 1e-9, "atol": 1e-9, "store_steps": True, "given": lengths}
-        run = sr.Radau().run(system, sr.assemble(system), np.array([0.0, until]), **settings)
+        run = run_of(sr.Radau(), system, sr.assemble(system), np.array([0.0, until]), **settings)
         return sr.sensitivity(run, ["slider.x", "slider.velocity.x"], names).matrix
 
     exact = at(160)
@@ -143,7 +161,7 @@ def test_the_published_slider_crank_of_sundials_to_many_digits() -> None:
     wanted = np.array([[told["grad"][name][parameter] for parameter in names] for name in responses])
     errors = []
     for rtol in (1e-7, 1e-9, 1e-11):
-        settings = {"rtol": rtol, "atol": rtol, "store_steps": True, "method": sr.Radau()}
+        settings = {"store": "steps", "method": sr.Radau(rtol=rtol, atol=rtol)}
         run = sr.simulate(sundials_crank(), until=10.0, t_eval=[10.0], **settings)
         found = sr.sensitivity(run, list(responses.values()), names, design=SUNDIALS, formula=sundials)
         errors.append(abs(found.matrix - wanted).max() / abs(wanted).max())
@@ -163,7 +181,7 @@ def test_the_pivots_of_one_stage_serve_all(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_the_factors_of_the_vehicle_are_few(monkeypatch: pytest.MonkeyPatch) -> None:
     system = sr.System(sr.load(mechanisms.path("hmmwv")))
-    run = sr.simulate(system, until=0.01, method=sr.Radau(), store_steps=True)
+    run = sr.simulate(system, until=0.01, method=sr.Radau(), store="steps")
     sweep = Sweep(Record(system, run.steps), 1)
 
     def factors(operation: Occurrences) -> int:

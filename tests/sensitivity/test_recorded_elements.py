@@ -13,7 +13,7 @@ from sarrus.analyses.sensitivity.lagrangians.by_parameters import _change, _grad
 from sarrus.analyses.sensitivity.lagrangians.changes import DOTS, _record
 from sarrus.analyses.sensitivity.lagrangians.elements import STATES, Share
 from sarrus.elements import BUILT_IN, Element
-from sarrus.elements.curve import StoredCurve
+from sarrus.elements.evaluation import STORED
 from sarrus.elements.recorder import Variant
 
 STEP = 1e-200
@@ -49,8 +49,8 @@ class Inputs:
                     x[place] + step * direction[name][place] if name in direction else x[place]
                 )
         for n, field in enumerate(fields(self.state.kind)):
-            if field == "Curve":
-                found["numbers", n] = StoredCurve(self.state.store, self.state.numbers[n])
+            if field in STORED:
+                found["numbers", n] = STORED[field](self.state.store, self.state.numbers[n])
         return found
 
 

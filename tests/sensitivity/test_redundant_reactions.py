@@ -4,6 +4,7 @@ What they are compared with is made without them: central differences of `run.re
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -22,7 +23,7 @@ from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 from sarrus.model.written import with_numbers
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-PRECISE = {"rtol": 1e-11, "atol": 1e-12, "method": sr.Radau()}
+PRECISE = {"method": sr.Radau(rtol=1e-11, atol=1e-12)}
 UNTIL, BETWEEN = 0.4, 0.173
 
 
@@ -129,7 +130,7 @@ def forces(one: Subject, change: Mapping[str, float]) -> np.ndarray:
 
 def kept(one: Subject, **settings: object) -> sr.Trajectory:
     run = sr.simulate(
-        one.system, until=UNTIL, t_eval=[0.0, BETWEEN, UNTIL], store_steps=True, **(PRECISE | settings)
+        one.system, until=UNTIL, t_eval=[0.0, BETWEEN, UNTIL], store="steps", **PRECISE | settings
     )
     assert run.steps.left_out.any()
     return run
@@ -169,7 +170,7 @@ def test_every_method_by_its_own_steps(method: object, monkeypatch: pytest.Monke
     """Frozen steps with other numbers, the adjoint, the direct way and checkpoints agree; integrals, peaks, misfits."""
     monkeypatch.setattr(long_run, "FIRST", 9)
     one = subject("parallel_cranks")
-    settings = {"rtol": 1e-5, "atol": 1e-7, "method": method}
+    settings = {"method": replace(method, rtol=1e-5, atol=1e-7)}
     run = kept(one, **settings)
     told = [
         sr.Final("foot_1.force.y"),
@@ -211,7 +212,7 @@ def test_reactions_after_an_impact() -> None:
     one = subject("hung_door")
     stop = sr.Event("hinge_1.angle - 0.05", direction=1, reset=sr.Impact(0.6), name="stop")
     settings = PRECISE | {"until": 0.5, "t_eval": [0.5], "events": stop}
-    run = sr.simulate(one.system, store_steps=True, **settings)
+    run = sr.simulate(one.system, store="steps", **settings)
     assert len(run.events) == 1
     told, names = [sr.Final(f"hinge_2.force.{x}") for x in "xyz"], ["gravity.y", "panel.mass"]
     found = sr.sensitivity(run, told, names)
@@ -231,14 +232,7 @@ def test_hessians_of_reactions_after_an_impact() -> None:
     """By mass and gravity: a hinge's force is linear in the mass at a given ratio of mass and moment of inertia."""
     one = subject("hung_door")
     stop = sr.Event("hinge_1.angle - 0.05", direction=1, reset=sr.Impact(0.6), name="stop")
-    settings = {
-        "until": 0.5,
-        "events": stop,
-        "store_steps": True,
-        "method": sr.Radau(),
-        "rtol": 1e-8,
-        "atol": 1e-10,
-    }
+    settings = {"until": 0.5, "events": stop, "store": "steps", "method": sr.Radau(rtol=1e-8, atol=1e-10)}
     run = sr.simulate(one.system, t_eval=[0.5], **settings)
     design = {"mass": 20.0, "pull": 1.0}
 
@@ -258,7 +252,7 @@ def test_the_search_of_a_fit_has_the_same_derivatives() -> None:
     one = subject("hung_door")
     misfit = sr.Misfit("hinge_1.force.x", at=(0.1, 0.3), data=(0.0, 0.0))
     wrt = ["panel.mass", "gravity.y"]
-    problem = sr.Problem(one.system, misfit, wrt, until=UNTIL, method=sr.Radau(), rtol=1e-8, atol=1e-10)
+    problem = sr.Problem(one.system, misfit, wrt, until=UNTIL, method=sr.Radau(rtol=1e-8, atol=1e-10))
     point = problem.at(problem.x0)
     (signal,), (slopes,) = point.signals()
     assert slopes.T @ signal == pytest.approx(point.slopes[0], rel=1e-9)
@@ -269,7 +263,7 @@ def test_the_search_of_a_fit_has_the_same_derivatives() -> None:
 @pytest.mark.parametrize("name", SUBJECTS)
 def test_hessians_of_reactions_are_those_of_differenced_gradients(name: str, method: object) -> None:
     one, told = subject(name), []
-    run = solved(kept(one, rtol=1e-6, atol=1e-8, method=method), method)
+    run = solved(kept(one, method=replace(method, rtol=1e-6, atol=1e-8)), method)
     for joint in one.joints[:1]:
         told += [sr.Final(f"{joint}.force.{x}") for x in "xyz"] + [sr.At(f"{joint}.torque.y", time=BETWEEN)]
         told += [sr.Integral(lambda o, j=joint: o(f"{j}.force.y") ** 2, name="squared")]

@@ -5,6 +5,7 @@ with steps of one length, and with each other.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
@@ -60,7 +61,9 @@ class Output(NamedTuple):
 def turning(of: sr.Trajectory) -> np.ndarray:
     """The angular velocity of the arm in global axes; a run has it in those of the body."""
     p = of.q[:, system().coordinates_of("arm")][:, 3:]
-    pairs = zip(p, of["arm"].angular_velocity_body, strict=True)
+    pairs = zip(
+        p.copy(), of["arm"].angular_velocity_body.copy(), strict=True
+    )  # SciPy wants to be able to write
     return np.array([Rotation.from_quat(e, scalar_first=True).apply(w) for e, w in pairs])
 
 
@@ -94,8 +97,8 @@ NUMBERS = {"ball.mass": 5e-3, "elbow.point.y": 2e-3, "spring.k": 0.5, "gravity.y
 
 def simulated(system: sr.System, method: str) -> sr.Trajectory:
     settings = {"rtol": 1e-9, "atol": 1e-11} if method == "radau" else {"rtol": 1e-11, "atol": 1e-13}
-    until = {"until": UNTIL, "t_eval": [0.0, *TIMES], "store_steps": True}
-    return sr.simulate(system, method=METHODS[method], **until, **settings)
+    until = {"until": UNTIL, "t_eval": [0.0, *TIMES], "store": "steps"}
+    return sr.simulate(system, method=replace(METHODS[method], **settings), **until)
 
 
 @cache

@@ -17,7 +17,7 @@ def test_an_unknown_output_of_a_part_is_compared_with_those_of_this_part() -> No
     ball = sr.Body("ball", mass=1, inertia=(1, 1, 1), position=(1, 0, 0))
     spring = sr.TSDA("s", sr.ground.point(0, 0, 0), ball.point(0, 0, 0), k=1.0, c=0.0, length=1.0)
     pin = sr.Revolute("q", sr.ground, ball, point=(0, 0, 0), axis=(0, 0, 1))
-    run = sr.simulate(sr.System(sr.Model("one", [ball], [pin], [spring])), until=0.1, store_steps=True)
+    run = sr.simulate(sr.System(sr.Model("one", [ball], [pin], [spring])), until=0.1, store="steps")
     with pytest.raises(sr.SarrusError, match=r"no output 's.pull'. Choose from s\."):
         sr.sensitivity(run, sr.Final("s.pull"), ["ball.mass"])
 
@@ -40,7 +40,7 @@ def falling() -> sr.System:
 )
 def test_reductions_as_texts(text: str, response: sr.Final) -> None:
     """As studies and the command line write them."""
-    run = sr.simulate(falling(), until=1.0, store_steps=True)
+    run = sr.simulate(falling(), until=1.0, store="steps")
     found, wanted = (sr.sensitivity(run, one, ["ball.mass"]) for one in (text, response))
     assert found.values == wanted.values
     assert found["ball.mass"] == wanted["ball.mass"]

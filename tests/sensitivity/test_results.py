@@ -11,7 +11,7 @@ WRT = ["spring.k", "pin.point"]
 
 @pytest.fixture(scope="module")
 def run() -> sr.Trajectory:
-    return sr.simulate(slider_crank(), until=0.05, store_steps=True)
+    return sr.simulate(slider_crank(), until=0.05, store="steps")
 
 
 def test_gradients_of_vectors_and_of_one_response(run: sr.Trajectory) -> None:

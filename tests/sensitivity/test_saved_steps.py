@@ -9,7 +9,7 @@ import pytest
 from tests.sensitivity.test_corners import ball
 
 import sarrus as sr
-from sarrus.analyses.dynamics.time_loop import time_loop
+from sarrus.analyses.dynamics.time_loop import recording
 
 
 def slower(t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -55,10 +55,10 @@ def test_saved_runs_have_the_derivatives_of_those_in_memory(
     case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Also when continued after an interruption between events, with a mark after every chunk of steps."""
-    monkeypatch.setattr(time_loop, "PAUSE", 0.0)
-    monkeypatch.setattr(time_loop, "PATIENT", 0.0)
+    monkeypatch.setattr(recording, "PAUSE", 0.0)
+    monkeypatch.setattr(recording, "PATIENT", 0.0)
     system, settings, names = CASES[case]
-    whole = sr.simulate(system(), store_steps=True, **settings)
+    whole = sr.simulate(system(), store="steps", **settings)
     wanted = numbers(whole, names)
     assert len(whole.steps.event_steps) > 1
     first = whole.steps.event_steps[0].t
@@ -68,8 +68,8 @@ def test_saved_runs_have_the_derivatives_of_those_in_memory(
             raise KeyboardInterrupt
 
     folder = tmp_path / "whole"
-    saved = sr.simulate(system(), store_steps=True, save=folder, **settings)
-    cut = sr.simulate(system(), store_steps=True, save=tmp_path / "cut", progress=interrupt, **settings)
+    saved = sr.simulate(system(), store="steps", save=folder, **settings)
+    cut = sr.simulate(system(), store="steps", save=tmp_path / "cut", progress=interrupt, **settings)
     assert cut.status == "stopped"
     assert 0 < len(cut.steps) < len(whole.steps)
     how = {"events": settings["events"]} if "reset" in case else {}  # one has a Python function
@@ -91,8 +91,8 @@ def test_functions_of_events_are_passed_again(tmp_path: Path) -> None:
     """Also lambdas; the message names what is missing, and other events are refused."""
     event = sr.Event(lambda t, q, v: q[2], reset=lambda t, q, v: -0.5 * v, name="bounce")
     folder = tmp_path / "run"
-    run = sr.simulate(falling(), until=0.6, events=event, store_steps=True, save=folder)
-    whole = sr.simulate(falling(), until=0.6, events=event, store_steps=True)
+    run = sr.simulate(falling(), until=0.6, events=event, store="steps", save=folder)
+    whole = sr.simulate(falling(), until=0.6, events=event, store="steps")
     assert len(run.events) == 1
     for again in (run, sr.resume(folder, events=event), sr.repeat(folder, events=[event])):
         found, wanted = (sr.sensitivity(one, sr.Final("b.z"), ["b.mass"]).matrix for one in (again, whole))
@@ -112,7 +112,7 @@ def test_a_method_of_the_user_is_passed_again(tmp_path: Path) -> None:
     given = {"until": 0.3, "save": tmp_path / "run"}
     method = sr.HHT().description
     run = sr.simulate(falling(), method=method, **given)
-    with pytest.raises(sr.SarrusError, match=r"run: does not contain DescribedMethod of its method"):
+    with pytest.raises(sr.SarrusError, match=r"run: does not contain Description of its method"):
         sr.repeat(tmp_path / "run")
     assert np.array_equal(sr.repeat(tmp_path / "run", method=method).q, np.asarray(run.q))
     with pytest.raises(sr.SarrusError, match="computed with other method"):
@@ -140,7 +140,7 @@ def test_a_system_that_files_cannot_describe_is_passed_again(tmp_path: Path) -> 
 
 def test_a_loaded_run_names_the_folder_that_holds_its_steps(tmp_path: Path) -> None:
     folder = tmp_path / "run"
-    sr.simulate(falling(), until=0.1, store_steps=True, save=folder)
+    sr.simulate(falling(), until=0.1, store="steps", save=folder)
     for run in (sr.load_run(folder), sr.load_run(folder, falling())):
         with pytest.raises(
             ValueError, match=r"steps of the run, which are stored in .*run\. Open it with"
@@ -149,5 +149,5 @@ def test_a_loaded_run_names_the_folder_that_holds_its_steps(tmp_path: Path) -> N
         assert str(wrong.value).endswith(f"sarrus.resume({str(folder)!r}).")
     assert sr.sensitivity(sr.resume(folder), "b.z", ["b.position.z"]).matrix == pytest.approx(1.0)
     sr.simulate(falling(), until=0.1, save=tmp_path / "without")
-    with pytest.raises(ValueError, match=r"Call simulate\(\.\.\., store_steps=True\)"):
+    with pytest.raises(ValueError, match=r"Call simulate\(\.\.\., store='steps'\)"):
         sr.sensitivity(sr.load_run(tmp_path / "without", falling()), "b.z", ["b.mass"])

@@ -18,7 +18,7 @@ RESPONSES = [sr.Final("slider.x"), sr.Integral("energy.kinetic")]
 
 
 def swung() -> sr.Trajectory:
-    settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True, "method": sr.Radau()}
+    settings = {"store": "steps", "method": sr.Radau(rtol=1e-6, atol=1e-8)}
     return sr.simulate(slider_crank(), until=0.8, t_eval=[0.8], **settings)
 
 
@@ -85,7 +85,7 @@ def test_singular_split_stages_are_replaced(
 
 def test_the_vehicle_is_solved_by_iteration(chosen: list[bool]) -> None:
     system = sr.System(sr.load(mechanisms.path("hmmwv")))
-    run = sr.simulate(system, until=0.1, method=sr.Radau(), store_steps=True)
+    run = sr.simulate(system, until=0.1, method=sr.Radau(), store="steps")
     given = run, sr.Integral("chassis.z"), ["chassis.mass", "gravity.z"]
     found = sr.sensitivity(*given)
     assert chosen == [True]
@@ -104,7 +104,7 @@ def chain(links: int) -> sr.System:
 
 def test_a_small_first_correction_is_no_proof(always: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """The first correction may be small and the next contract slowly."""
-    run = sr.simulate(chain(10), until=1.5, rtol=1e-2, atol=None, store_steps=True)
+    run = sr.simulate(chain(10), until=1.5, method=sr.Radau(rtol=1e-2), store="steps")
     given = run, sr.Final("b9.z"), ["s.k", "s.c", "b3.mass"]
     found = sr.sensitivity(*given)
     monkeypatch.setattr(record, "SPLIT_FROM", 10**9)

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.sensitivity.test_checkpoints import compared
-from tests.sensitivity.test_lengths_through_zero import guided
+from tests.sensitivity.test_corners import sprung
 
 import sarrus as sr
-from sarrus.analyses.dynamics.time_loop import time_loop
+from sarrus.analyses.dynamics.time_loop import recording
 
 ON, OFF, T = 1.2345, 2.0, 3.0
 METHODS: dict[str, Any] = {
@@ -57,7 +57,7 @@ def closed_form(k: float) -> float:
 
 
 def run(k: float, method: Any, through: str = "step", stored: bool = True) -> sr.Trajectory:
-    return sr.simulate(switched(k, through), until=T, method=method, store_steps=stored)
+    return sr.simulate(switched(k, through), until=T, method=method, store="steps" if stored else "samples")
 
 
 @pytest.mark.one_in(4)
@@ -93,6 +93,7 @@ def test_gradients_are_those_of_the_computed_motion(method: str) -> None:
 
 @pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*spline through the table")
+@pytest.mark.filterwarnings("ignore:f. its table ends at")
 @pytest.mark.parametrize("method", [METHODS["HHT"], sr.Radau()])
 @pytest.mark.parametrize("table", TABLES)
 def test_gradients_of_motions_by_tables_over_time(table: str, method: Any) -> None:
@@ -129,7 +130,7 @@ def test_the_error_estimate() -> None:
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", METHODS)
 def test_saved_runs_keep_the_steps_before_jumps(method: str, tmp_path: Path) -> None:
-    settings: dict[str, Any] = {"until": T, "method": METHODS[method], "store_steps": True}
+    settings: dict[str, Any] = {"until": T, "method": METHODS[method], "store": "steps"}
     saved = sr.simulate(switched(), save=tmp_path / "run", **settings)
     wanted = all_of(run(40, METHODS[method]))
     for one in (saved, sr.resume(tmp_path / "run"), sr.repeat(tmp_path / "run")):
@@ -149,14 +150,14 @@ def all_of(one: sr.Trajectory) -> list[float]:
 @pytest.mark.parametrize("stop", [1.0, 1.5, 2.5])
 def test_continued_runs_keep_them(stop: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Stopped before and behind the jumps, with a mark after every chunk of steps."""
-    monkeypatch.setattr(time_loop, "PAUSE", 0.0)
-    monkeypatch.setattr(time_loop, "PATIENT", 0.0)
+    monkeypatch.setattr(recording, "PAUSE", 0.0)
+    monkeypatch.setattr(recording, "PATIENT", 0.0)
 
     def interrupt(t: float) -> None:
         if t >= stop:
             raise KeyboardInterrupt
 
-    settings: dict[str, Any] = {"until": T, "method": sr.HHT(step=5e-3), "store_steps": True}
+    settings: dict[str, Any] = {"until": T, "method": sr.HHT(step=5e-3), "store": "steps"}
     cut = sr.simulate(switched(), save=tmp_path / "run", progress=interrupt, **settings)
     assert cut.status == "stopped"
     whole = sr.simulate(switched(), **settings)
@@ -164,22 +165,23 @@ def test_continued_runs_keep_them(stop: float, tmp_path: Path, monkeypatch: pyte
     np.testing.assert_array_equal(all_of(sr.resume(tmp_path / "run")), all_of(whole))
 
 
-OWN = {"jump": (switched, 1.6, sr.HHT()), "corner of s": (lambda: guided("tsda"), 0.3, sr.Radau())}
+KINKED = sprung(k="40 + 60*max(x - 2.05, 0)")
+OWN = {"jump": (switched, 1.6, sr.HHT()), "corner of spring": (lambda: KINKED, 0.3, sr.Radau())}
 
 
 @pytest.mark.parametrize("own", OWN)
 def test_jumps_and_corners_are_no_events_of_the_user(own: str) -> None:
     """Their names are free, and only a user's names are known."""
     (system, until, method), response = OWN[own], sr.AtEvent("t", event=own)
-    settings: dict[str, Any] = {"until": until, "method": method, "store_steps": True}
+    settings: dict[str, Any] = {"until": until, "method": method, "store": "steps"}
     unused = sr.simulate(system(), **settings)
     assert [one.name for one in unused.steps.event_steps] == [own]
     with pytest.raises(ValueError, match=f"0 events '{own}' .*; it has none"):
-        sr.sensitivity(unused, response, ["s.k"])
+        sr.sensitivity(unused, response, ["b.mass"])
     late = 0.9 * until
     event = sr.Event(f"t - {late}", name=own, reset=lambda t, q, v: v)
     used = sr.simulate(system(), events=event, **settings)
-    assert sr.sensitivity(used, response, ["s.k"]).values[0] == pytest.approx(late, rel=1e-12)
+    assert sr.sensitivity(used, response, ["b.mass"]).values[0] == pytest.approx(late, rel=1e-12)
 
 
 def begun(law: str, method: Any, **settings: Any) -> sr.Trajectory:
@@ -187,7 +189,7 @@ def begun(law: str, method: Any, **settings: Any) -> sr.Trajectory:
     model = switched().model
     load = sr.Force("f", joint="g", value=law)
     system = sr.System(replace(model, forces=[model.forces[0], load]))
-    return sr.simulate(system, until=1.0, method=method, store_steps=True, **settings)
+    return sr.simulate(system, until=1.0, method=method, store="steps", **settings)
 
 
 @pytest.mark.one_in(4)
@@ -195,7 +197,7 @@ def begun(law: str, method: Any, **settings: Any) -> sr.Trajectory:
 @pytest.mark.parametrize("law", ["10*step(t)", "5 + 5*sign(t)", "10*step(t - 1e-13)"])
 def test_a_jump_at_the_start_is_before_the_first_step(law: str, method: Any, tmp_path: Path) -> None:
     """Its accelerations are those of the load that acts from there on; the motion is known from the start itself."""
-    found = begun(law, method, dense_output=True, save=tmp_path / "run")
+    found = begun(law, method, save=tmp_path / "run")
     wanted = begun("10", method)
     assert not found.warnings
     assert found["b.x"][-1] == pytest.approx(wanted["b.x"][-1], abs=1e-11)

@@ -22,6 +22,22 @@ def test_numbers_are_ranked_by_their_influence() -> None:
     assert told[-1].strip() == "and 2 more of less influence"
 
 
+def test_hardpoints_are_ranked_by_a_millimetre_wherever_the_origin_is() -> None:
+    """1 % of a coordinate depends on the origin, and a coordinate of 0 would have no influence."""
+    names, slopes = ("ball.x", "ball.z", "spring.k"), np.array([[9.0, 3.0, 0.002]])
+    units = {"response_units": ("rad",), "units": ("m", "m", "N/m"), "table_units": ("mm", "mm", "")}
+    found = Gradient(("x",), names, np.array([1.0]), np.array([0.0, 2.0, 200.0]), slopes, **units)
+    assert found.ranked() == ["ball.x", "spring.k", "ball.z"]
+    assert np.allclose(found.influences(), [0.009, 0.003, 0.004])
+    assert found.largest()[0] == found.ranked()
+    assert "by 1 % or 1 mm more" in found.table()
+    points = Gradient(
+        ("x",), names[:2], np.array([1.0]), np.array([0.0, 2.0]), slopes[:, :2], table_units=("m", "m")
+    )
+    assert points.table().splitlines()[1].split()[-4:] == ["by", "1", "mm", "more"]
+    assert "for 1 mm more" in points.plot().get_xlabel()
+
+
 def test_the_largest_influences_are_drawn() -> None:
     gradient = sr.sensitivity(swung("HHT"), "slider.x", ["spring.k", "spring.c", "rod.mass", "spring.force"])
     ax = gradient.plot()

@@ -21,9 +21,7 @@ RESPONSES = [sr.Final("rod_2.x"), sr.Integral("energy.kinetic")]
 @cache
 def bricard() -> sr.Trajectory:
     system = sr.System(sr.load(EXAMPLES / "bricard.yaml"))
-    return sr.simulate(
-        system, until=0.4, t_eval=[0.4], rtol=1e-6, atol=1e-8, store_steps=True, method=sr.HHT()
-    )
+    return sr.simulate(system, until=0.4, t_eval=[0.4], store="steps", method=sr.HHT(rtol=1e-6, atol=1e-8))
 
 
 @pytest.mark.one_in(2)
@@ -103,7 +101,7 @@ def pendulum() -> sr.System:
 def test_responses_with_infinite_derivatives_are_named(of: Callable[[Any], Any]) -> None:
     system, bad = pendulum(), sr.Final(of, name="root")
     none = sr.Final(lambda o: np.sqrt(o("arm.x") - o("arm.x")), name="root")
-    run = sr.simulate(system, until=0.1, store_steps=True)
+    run = sr.simulate(system, until=0.1, store="steps")
     for ask in (
         lambda: sr.sensitivity(run, ["arm.x", bad], ["arm.mass"]),
         lambda: sr.sensitivity(run, ["arm.x", bad], ["arm.mass"], method="direct"),
@@ -120,7 +118,7 @@ def test_responses_with_infinite_derivatives_are_named(of: Callable[[Any], Any])
 
 def test_infinite_slopes_at_times_without_weight_do_no_harm() -> None:
     """The speed begins as a root at 0; its maximum is that of the end."""
-    run = sr.simulate(pendulum(), until=0.1, store_steps=True)
+    run = sr.simulate(pendulum(), until=0.1, store="steps")
     speed = sr.Maximum(lambda o: np.sqrt(o("arm.velocity.x") ** 2 + o("arm.velocity.y") ** 2))
     square = sr.Final(lambda o: o("arm.velocity.x") ** 2 + o("arm.velocity.y") ** 2)
     found, of_square = (sr.sensitivity(run, one, ["arm.inertia.zz"]) for one in (speed, square))
@@ -130,7 +128,7 @@ def test_infinite_slopes_at_times_without_weight_do_no_harm() -> None:
 
 def test_a_residual_of_zero_at_a_root_of_zero_has_no_derivative(falling: sr.System) -> None:
     """(root - 0)² / 2 of a root of z is z / 2 above 0, and nothing below: its weight is zero only there."""
-    run = sr.simulate(falling, until=0.1, store_steps=True)
+    run = sr.simulate(falling, until=0.1, store="steps")
     bad = sr.Misfit(lambda o: np.sqrt(-o("s.z")), name="root", at=[0.0, 0.1], data=[0.0, 1.0])
     place = ["s.position.z"]
     for ask in (
@@ -161,7 +159,7 @@ BOTH = ["s.mass", "F"]
 
 def test_a_measured_speed_of_zero_at_rest_does_no_harm(falling: sr.System) -> None:
     """The square of a speed is smooth, and that from rest is zero for all parameters: as without this measurement."""
-    run = sr.simulate(falling, until=0.1, store_steps=True)
+    run = sr.simulate(falling, until=0.1, store="steps")
     asked: dict[str, Callable[[sr.Misfit], Any]] = {
         "adjoint": lambda one: sr.sensitivity(run, one, BOTH).matrix,
         "direct": lambda one: sr.sensitivity(run, one, BOTH, method="direct").matrix,
@@ -197,7 +195,7 @@ def test_a_residual_of_zero_in_a_driven_motion(method: str) -> None:
 
 def test_only_roots_of_stationary_zeros_have_smooth_squares(falling: sr.System) -> None:
     """The square of the fourth root of v² is |v|, and that of the root of an angle is the angle."""
-    run, swing = (sr.simulate(one, until=0.1, store_steps=True) for one in (falling, pendulum()))
+    run, swing = (sr.simulate(one, until=0.1, store="steps") for one in (falling, pendulum()))
     fourth = sr.Misfit(lambda o: (o("s.velocity.z") ** 2) ** 0.25, name="root", at=[0.0], data=[0.0])
     angle = sr.Misfit(lambda o: np.sqrt(-o("pin.angle")), name="root", at=[0.0], data=[0.0])
     for given, bad, name in ((run, fourth, "s.mass"), (swing, angle, "arm.position.y")):
@@ -207,7 +205,7 @@ def test_only_roots_of_stationary_zeros_have_smooth_squares(falling: sr.System) 
 
 def test_a_speed_that_begins_to_move_has_no_second_derivatives_by_it(falling: sr.System) -> None:
     """Its half square has some, but they are not known; its gradient by the initial velocity is known."""
-    run = sr.simulate(falling, until=0.1, store_steps=True)
+    run = sr.simulate(falling, until=0.1, store="steps")
     start = ["s.velocity.z"]
     assert np.allclose(
         sr.sensitivity(run, FIRST, start).matrix, sr.sensitivity(run, LATER, start).matrix, rtol=1e-12
@@ -247,7 +245,7 @@ def test_nor_do_they_in_derivatives_by_parameters_that_the_output_names(falling:
 @pytest.mark.parametrize("response", [sr.Final, sr.Maximum])
 def test_nor_do_they_in_second_derivatives(response: Any, falling: sr.System) -> None:
     """The root of -2z is r = t (3 F/m)^½, with the second derivatives -r/4F², -r/4Fm and 3r/4m²."""
-    run = sr.simulate(falling, until=0.1, store_steps=True)
+    run = sr.simulate(falling, until=0.1, store="steps")
     found = sr.hessian(run, response(lambda o: (-2 * o("s.z")) ** 0.5), ["F", "s.mass"])
     r = 0.1 * (3 * 2 / 4) ** 0.5
     assert np.allclose(found.matrix, [[-r / 16, -r / 32], [-r / 32, 3 * r / 64]], rtol=1e-5)
@@ -255,7 +253,7 @@ def test_nor_do_they_in_second_derivatives(response: Any, falling: sr.System) ->
 
 def test_second_derivatives_that_are_infinite_where_there_is_weight_are_refused(falling: sr.System) -> None:
     """What begins at 0 has a 3/2-th power with a gradient by the start, but one that bends infinitely there."""
-    run = sr.simulate(falling, until=0.1, store_steps=True)
+    run = sr.simulate(falling, until=0.1, store="steps")
     bent = sr.Integral(lambda o: (-o("s.z")) ** 1.5, name="bent")
     assert np.isfinite(sr.sensitivity(run, bent, ["s.position.z"])["s.position.z"]).all()
     with pytest.raises(ValueError, match=r"bent: its second derivative is infinite.*Use a smooth function"):

@@ -7,6 +7,8 @@ import numpy as np
 import sarrus as sr
 
 AXIS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
+GRID = np.linspace(-60, 60, 121)
+HILLS = sr.Surface(GRID, GRID[50:71], 0.1 * np.sin(GRID[:, None]) * np.cos(GRID[50:71] / 2))
 
 
 class Builder:
@@ -139,6 +141,7 @@ def _forces(b: Builder) -> None:
         sr.LengthStop("stay", b.spot(one), b.spot(two), lower=0.9, upper=1.5, **damping),
         sr.DisplacementStop("end", b.bodies[4], b.bodies[5], lower=0.1, upper=0.5, **about, **damping),
         sr.AngleStop("limit", one, two, lower=0.05, upper=0.5, **about, **damping),
+        sr.RoadTyre("climber", b.spot(one), k=20.0, c=1.0, radius=0.7, road=HILLS, rounding=0.1),
     ]  # fmt: skip
 
 

@@ -13,7 +13,7 @@ def direct_and_adjoint(
     model: sr.Model, output: str, names: Sequence[str], until: float, rtol: float
 ) -> list[np.ndarray]:
     """Both gradients of the final value of an output."""
-    run = sr.simulate(sr.System(model), until=until, store_steps=True, rtol=rtol)
+    run = sr.simulate(sr.System(model), until=until, store="steps", method=sr.Radau(rtol=rtol))
     found = (sr.sensitivity(run, sr.Final(output), wrt=names, method=how) for how in ("direct", "adjoint"))
     return [np.array([gradient[name] for name in names]) for gradient in found]
 

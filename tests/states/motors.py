@@ -13,7 +13,7 @@ INERTIA, WEIGHT = (
 )  # of the arm about its pin, times gravity and the distance of its centre
 NUMBERS = {"R": 1.0, "k": 0.5, "L": 1e-2}
 RATE = "(12*sin(3*t) - R*current - k*pin.rate)/L"
-TIGHT: dict[str, Any] = {"rtol": 1e-12}
+TIGHT: dict[str, Any] = {"method": sr.Radau(rtol=1e-12)}
 
 
 def arm(*forces: Any, gravity: float = 9.81) -> sr.Model:

@@ -1,6 +1,7 @@
 """Derivatives through sampled controllers: forward, backward, second ones, and differences of whole runs."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -64,7 +65,7 @@ def run(changes: Mapping[str, float] | None = None, **options: Any) -> sr.Trajec
 @cache
 def stored(method: Any = None) -> sr.Trajectory:
     """One with its steps."""
-    return run(store_steps=True, rtol=1e-6 if method else 1e-10, method=method)
+    return run(store="steps", method=replace(method, rtol=1e-6) if method else sr.Radau(rtol=1e-10))
 
 
 def test_stored_steps_do_not_change_a_run() -> None:
@@ -111,7 +112,9 @@ def test_second_derivatives_are_differences_of_gradients() -> None:
     for name in ("kp.value", "lag.time", "pin.point.x"):
         low, high = (
             sr.sensitivity(
-                run({name: numbers[name] + s * h}, store_steps=True, rtol=1e-11), response, wrt=names
+                run({name: numbers[name] + s * h}, store="steps", method=sr.Radau(rtol=1e-11)),
+                response,
+                wrt=names,
             )
             for s in (-1, 1)
         )
@@ -127,7 +130,7 @@ def slower(t: float, q: Any, v: Any) -> Any:
 @pytest.mark.slow
 def test_events_between_samples() -> None:
     """New velocities, which the next sample reads."""
-    found = run(store_steps=True, events=sr.Event("pin.angle - 0.1", direction=1, reset=slower, name="brake"))
+    found = run(store="steps", events=sr.Event("pin.angle - 0.1", direction=1, reset=slower, name="brake"))
     assert len(found.events) == 1
     direct, adjoint = (
         sr.sensitivity(found, RESPONSES[:2], wrt=NAMES, method=how).matrix for how in ("direct", "adjoint")
@@ -137,7 +140,11 @@ def test_events_between_samples() -> None:
 
 def test_a_run_with_controllers_meets_a_goal() -> None:
     found = sr.simulate(
-        sr.System(model()), until=UNTIL, controllers=CONTROLLERS, error={"pin.angle": 1e-9}, rtol=1e-5
+        sr.System(model()),
+        until=UNTIL,
+        controllers=CONTROLLERS,
+        limits=sr.Limits(errors={"pin.angle": 1e-9}),
+        method=sr.Radau(rtol=1e-5),
     )
     assert found.success
     assert found["pin.angle"][-1] == pytest.approx(stored()["pin.angle"][-1], abs=2e-9)
@@ -184,7 +191,7 @@ def test_controllers_that_cannot_be_recorded_are_refused_with_stored_steps(
 ) -> None:
     system = sr.System(arm(sr.Input("u"), sr.Torque("motor", "pin", value="u")))
     with pytest.raises(SarrusError, match=message):
-        sr.simulate(system, until=0.2, controllers=[sr.Controller(function, period=0.05)], store_steps=True)
+        sr.simulate(system, until=0.2, controllers=[sr.Controller(function, period=0.05)], store="steps")
 
 
 @pytest.mark.one_in(8)
@@ -199,7 +206,7 @@ def test_functions_without_memory_are_recorded_from_any_start(torque: float) -> 
     system = sr.System(arm(sr.Input("u"), sr.Torque("motor", "pin", value="u")))
     begin = sr.simulate(system, until=0.2, t_eval=[0.2], inputs={"u": torque}).final
     controllers = [sr.Controller(balance, period=0.02)]
-    found = sr.simulate(system, begin, until=0.27, controllers=controllers, store_steps=True)
+    found = sr.simulate(system, begin, until=0.27, controllers=controllers, store="steps")
     first = {name: found[name][0] for name in ("pin.angle", "pin.rate", "arm.x")}
     assert found["u"][0] == pytest.approx(balance(0.2, first)["u"], abs=1e-9)
     assert np.isfinite(sr.sensitivity(found, sr.Final("pin.angle"), wrt=["arm.mass"])["arm.mass"])
@@ -229,9 +236,7 @@ def test_a_memory_that_a_run_alone_has_is_found_by_derivatives() -> None:
         return {"u": 5.0 * o["pin.angle"] + max(count[0] - 1, 0)}
 
     system = sr.System(arm(sr.Input("u"), sr.Torque("motor", "pin", value="u")))
-    found = sr.simulate(
-        system, until=0.2, controllers=[sr.Controller(counting, period=0.05)], store_steps=True
-    )
+    found = sr.simulate(system, until=0.2, controllers=[sr.Controller(counting, period=0.05)], store="steps")
     with pytest.raises(SarrusError, match=r"counting: it returned .* at t = .* s in the run, but"):
         sr.sensitivity(found, sr.Final("pin.angle"), wrt=["arm.mass"])
 
@@ -240,7 +245,7 @@ def test_a_memory_that_a_run_alone_has_is_found_by_derivatives() -> None:
 def test_a_memory_that_begins_anew_is_found_by_derivatives(how: str) -> None:
     system = sr.System(arm(sr.Input("u"), sr.Torque("motor", "pin", value="u")))
     controllers = [sr.Controller(Restarting(), period=0.05)]
-    found = sr.simulate(system, until=0.2, controllers=controllers, store_steps=True)
+    found = sr.simulate(system, until=0.2, controllers=controllers, store="steps")
     with pytest.raises(SarrusError, match="Derivatives need the memory of a controller by name"):
         sr.sensitivity(found, sr.Final("pin.angle"), wrt=["arm.mass"], method=how)
 
@@ -257,11 +262,11 @@ def test_loads_that_jump_at_a_sample_leave_the_order_of_the_method(jump: float) 
     held = [sr.Controller(lambda t, o: {"u": -0.5 * o["g.displacement"]}, period=0.1)]
 
     def found(**settings: Any) -> np.ndarray:
-        run = sr.simulate(own, until=1.0, controllers=held, store_steps=True, **settings)
+        run = sr.simulate(own, until=1.0, controllers=held, store="steps", **settings)
         gradient = sr.sensitivity(run, sr.Final("b.x"), ["s.k"])
         return np.array([gradient.values[0], gradient.matrix[0, 0]])
 
-    true = found(rtol=1e-12)
+    true = found(method=sr.Radau(rtol=1e-12))
     coarse, fine = (abs(found(method=sr.HHT(step=h)) / true - 1) for h in (0.01, 0.005))
     assert np.all(coarse < 1e-3)
     np.testing.assert_allclose(coarse / fine, 4.0, rtol=0.05)

@@ -47,7 +47,7 @@ METHODS = {
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
 def test_a_joint_follows_the_lag_of_a_ramp_and_its_driver_has_the_torque_of_the_motion(method: str) -> None:
     chosen, rtol, error = METHODS[method]
-    run = sr.simulate(sr.System(crank()), until=1.0, method=chosen, rtol=rtol)
+    run = sr.simulate(sr.System(crank()), until=1.0, method=replace(chosen, rtol=rtol))
     assert run.success
     theta = angle(run.t)
     assert value(run, "pin.angle") == pytest.approx(theta, abs=error)
@@ -64,7 +64,7 @@ def test_derivatives_of_a_driven_motion() -> None:
     direct, adjoint = direct_and_adjoint(model, "turn.torque.z", names, 0.3, 1e-11)
     assert direct == pytest.approx(adjoint, rel=1e-9)
     assert adjoint == pytest.approx(differences(model, "turn.torque.z", names, 0.3, 1e-5), rel=1e-6)
-    run = sr.simulate(sr.System(model), until=0.3, store_steps=True, rtol=1e-11)
+    run = sr.simulate(sr.System(model), until=0.3, store="steps", method=sr.Radau(rtol=1e-11))
     by_initial = sr.sensitivity(run, sr.Final("pin.angle"), wrt=["lag.initial"])["lag.initial"]
     assert by_initial == pytest.approx(0.5 * np.exp(-0.3 / T), rel=1e-9)
     H, numbers, some = sr.hessian(run, "pin.angle", names[:2]), written_numbers(model), names[:2]
@@ -81,7 +81,7 @@ def test_derivatives_of_a_run_from_a_state_keep_the_followed_states_there() -> N
     """The lag does not depend on the motion of the driver: against runs with other numbers from the same state."""
     model, names = crank(), ["turn.motion.1", "lag.gain"]
     state = sr.simulate(sr.System(model), until=0.3, **TIGHT).final
-    run = sr.simulate(sr.System(model), state, until=0.4, store_steps=True, rtol=1e-11)
+    run = sr.simulate(sr.System(model), state, until=0.4, store="steps", method=sr.Radau(rtol=1e-11))
     numbers, h = written_numbers(model), 1e-5
     for output in ("lag", "pin.angle"):
         found = sr.sensitivity(run, sr.Final(output), wrt=names)
@@ -120,7 +120,7 @@ def test_states_and_motions_are_formulas_or_functions(motion: Any) -> None:
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
 def test_a_motion_of_states_may_use_an_input_with_a_law_over_time(motion: Any) -> None:
     system = sr.System(crank(LAG, sr.Input("u", 1.5), motion=motion))
-    run = sr.simulate(system, until=0.3, store_steps=True, **TIGHT)
+    run = sr.simulate(system, until=0.3, store="steps", **TIGHT)
     assert value(run, "pin.angle") == pytest.approx(1.5 * value(run, "lag"), abs=1e-9)
     by = sr.sensitivity(run, sr.Final("pin.angle"), wrt=["u.value"])["u.value"]
     assert by == pytest.approx(value(run, "lag")[-1], rel=1e-9)
@@ -203,7 +203,7 @@ def _loaded(folder: Path, motion: str) -> sr.System:
 def test_names_of_a_motion_in_a_file_are_states_or_numbers_of_the_file(tmp_path: Path) -> None:
     """gain*lag with another value of the parameter; the included arm follows the lag that has its prefix."""
     run = sr.simulate(
-        _loaded(tmp_path, "other*lag + 0.1 rad/s^2 * lag.time*t"), until=0.2, store_steps=True, **TIGHT
+        _loaded(tmp_path, "other*lag + 0.1 rad/s^2 * lag.time*t"), until=0.2, store="steps", **TIGHT
     )
     assert value(run, "pin.angle") == pytest.approx(value(run, "lag") + 0.02 * run.t, abs=1e-9)
     assert value(run, "a_pin.angle") == pytest.approx(0.5 * value(run, "a_lag"), abs=1e-9)

@@ -72,7 +72,7 @@ def test_the_control_gradient_is_that_of_whole_runs() -> None:
 @pytest.mark.slow
 def test_a_response_may_contain_the_input_itself() -> None:
     """The energy of a control, ∫u² dt, depends on the table alone; its second derivatives are constant."""
-    run = sr.simulate(sr.System(driven(TABLE)), until=0.8, store_steps=True)
+    run = sr.simulate(sr.System(driven(TABLE)), until=0.8, store="steps")
     response = sr.Integral(lambda o: o("u") ** 2)
     found = sr.sensitivity(run, response, wrt=NAMES)
     t = np.linspace(0, 0.8, 2001)
@@ -107,10 +107,10 @@ forces:
 """
     (tmp_path / "arm.yaml").write_text(text)
     model = sr.load(tmp_path / "arm.yaml")
-    run = sr.simulate(sr.System(model), until=0.5, store_steps=True)
+    run = sr.simulate(sr.System(model), until=0.5, store="steps")
     by_input = sr.sensitivity(run, sr.Final("pin.angle"), wrt=["u.value"])["u.value"]
     assert sr.sensitivity(run, sr.Final("pin.angle"), wrt=["T0"])["T0"] == pytest.approx(2 * by_input)
-    run = sr.simulate(sr.System(model), until=0.5, store_steps=True, inputs={"u": 6.0})
+    run = sr.simulate(sr.System(model), until=0.5, store="steps", inputs={"u": 6.0})
     assert sr.sensitivity(run, sr.Final("pin.angle"), wrt=["T0"])["T0"] == 0.0
     moved = text.replace("motor: {type: torque, joint: pin, value: u - 0.5*pin.rate}", "").replace(
         "2*T0, unit: N m", "T0*t"

@@ -122,7 +122,7 @@ def test_second_derivatives_are_differences_of_gradients() -> None:
 
     def run(exponent: float) -> sr.Trajectory:
         model = with_numbers(filled(), {"gas.exponent": exponent})
-        return sr.simulate(sr.System(model), until=0.1, store_steps=True, rtol=1e-11)
+        return sr.simulate(sr.System(model), until=0.1, store="steps", method=sr.Radau(rtol=1e-11))
 
     H, h = sr.hessian(run(1.2), response, wrt=names), 1e-4
     ahead, back = (sr.sensitivity(run(1.2 + s * h), response, wrt=names) for s in (1, -1))

@@ -90,7 +90,7 @@ def test_a_sample_is_taken_once_beside_other_stops() -> None:
     ]
     for distance in (2e-9, -2e-9, 3e-13, -3e-13, 0.0):
         near = [0.06 + distance, 0.09 + 2 * distance]
-        run = sr.simulate(system(), until=0.1, controllers=controllers, breakpoints=near)
+        run = sr.simulate(system(), until=0.1, controllers=controllers, events=near)
         assert [run[name][-1] for name in ("u", "w")] == pytest.approx([4, 4]), distance
 
 
@@ -238,7 +238,7 @@ def test_outputs_are_read_by_calls_and_by_brackets() -> None:
     def run(push: Any, servo: Any) -> sr.Trajectory:
         forces = sr.Torque("spring", "pin", value=push), sr.Torque("motor", "pin", value="u"), sr.Input("u")
         controllers = [sr.Controller(servo, period=0.05)]
-        return sr.simulate(sr.System(arm(*forces)), until=0.1, controllers=controllers, store_steps=True)
+        return sr.simulate(sr.System(arm(*forces)), until=0.1, controllers=controllers, store="steps")
 
     one = run(lambda o: -5 * o["pin.angle"], lambda t, o: {"u": 2 * o["pin.angle"] + o["pin.rate"]})
     other = run(lambda o: -5 * o("pin.angle"), lambda t, o: {"u": 2 * o("pin.angle") + o("pin.rate")})

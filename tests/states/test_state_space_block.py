@@ -75,7 +75,7 @@ def test_entries_of_a_file_follow_its_parameters(tmp_path: Path) -> None:
     text = text.replace("[[-3, 1]", "[[-pole, 1]").replace("gravity:", "parameters: {pole: 3}\ngravity:")
     (tmp_path / "servo.yaml").write_text(text)
     runs = [
-        sr.simulate(sr.System(one), until=0.2, store_steps=True)
+        sr.simulate(sr.System(one), until=0.2, store="steps")
         for one in (controlled(), sr.load(tmp_path / "servo.yaml"))
     ]
     one = sr.sensitivity(runs[0], sr.Final("pin.angle"), wrt=["ss.A.1.1"])["ss.A.1.1"]
@@ -105,7 +105,7 @@ def test_second_derivatives_are_differences_of_gradients() -> None:
 
     def run(**changes: float) -> sr.Trajectory:
         model = with_numbers(controlled(), {name: controls[name] + h for name, h in changes.items()})
-        return sr.simulate(sr.System(model), until=0.3, store_steps=True, rtol=1e-11)
+        return sr.simulate(sr.System(model), until=0.3, store="steps", method=sr.Radau(rtol=1e-11))
 
     controls = written_numbers(controlled())
     H = sr.hessian(run(), sr.Final("pin.angle"), wrt=names)
@@ -120,7 +120,7 @@ def test_zeros_of_a_direct_passage_are_no_parameters() -> None:
     filtered = sr.TransferFunction("f", numerator=[0, 1], denominator=[1, 2], input="ss.y1")
     model = controlled()
     model = sr.Model("servo", model.bodies, model.joints, [*model.forces, filtered])
-    run = sr.simulate(sr.System(model), until=0.01, store_steps=True)
+    run = sr.simulate(sr.System(model), until=0.01, store="steps")
     for name in ("ss.D.1.2", "f.numerator.1"):
         with pytest.raises(sr.SarrusError, match=name):
             sr.sensitivity(run, sr.Final("pin.angle"), wrt=[name])

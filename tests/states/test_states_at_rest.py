@@ -49,12 +49,14 @@ def test_derivatives_of_runs_go_through_an_equilibrium_with_states(make: Any, na
 
     def end(values: dict[str, float]) -> float:
         system = sr.System(with_numbers(model, values))
-        run = sr.simulate(system, {"equilibrium": True, "rates": {"pin": 0.5}}, until=0.2, rtol=1e-11)
+        run = sr.simulate(
+            system, {"equilibrium": True, "rates": {"pin": 0.5}}, until=0.2, method=sr.Radau(rtol=1e-11)
+        )
         return float(run["pin.angle"][-1])
 
     system = sr.System(model)
     start = {"equilibrium": True, "rates": {"pin": 0.5}}
-    run = sr.simulate(system, start, until=0.2, store_steps=True, rtol=1e-11)
+    run = sr.simulate(system, start, until=0.2, store="steps", method=sr.Radau(rtol=1e-11))
     found = [sr.sensitivity(run, "pin.angle", names, method=how) for how in ("direct", "adjoint")]  # type: ignore[arg-type]
     own = written_numbers(model)
     h = {one: 1e-4 * abs(own[one]) for one in names}
@@ -64,10 +66,8 @@ def test_derivatives_of_runs_go_through_an_equilibrium_with_states(make: Any, na
     curved = sr.hessian(run, "pin.angle", ["arm.mass"])["arm.mass", "arm.mass"]
     sides = [
         sr.sensitivity(
-            sr.simulate(
-                sr.System(with_numbers(model, {"arm.mass": own["arm.mass"] + s * 1e-3})), start, until=0.2,
-                store_steps=True, rtol=1e-11,
-            ), "pin.angle", ["arm.mass"],
+            sr.simulate(sr.System(with_numbers(model, {"arm.mass": own["arm.mass"] + s * 1e-3})), start, until=0.2,
+                        store="steps", method=sr.Radau(rtol=1e-11)), "pin.angle", ["arm.mass"],
         )["arm.mass"]
         for s in (-1, 1)
     ]  # fmt: skip
@@ -79,7 +79,7 @@ def test_an_equilibrium_that_does_not_determine_a_state_has_no_derivatives() -> 
     system = sr.System(arm(way, sr.Torque("spring", "pin", value="-30*x")))
     with pytest.warns(sr.SarrusWarning, match="no equation determines way"):
         rest = sr.equilibrium(system)
-    run = sr.simulate(system, rest, until=0.01, store_steps=True)
+    run = sr.simulate(system, rest, until=0.01, store="steps")
     with pytest.raises(NoDerivative, match="does not determine way"):
         sr.sensitivity(run, "pin.angle", ["arm.mass"])
 

@@ -30,9 +30,11 @@ def system(kp: float = 40.0, ki: float = 30.0, kd: float = 5.0) -> sr.System:
 
 
 def test_gradients_of_a_problem_with_controllers_are_those_of_its_runs() -> None:
-    problem = sr.Problem(system(), OFF, GAINS, until=UNTIL, controllers=[PID], rtol=1e-9)
+    problem = sr.Problem(system(), OFF, GAINS, until=UNTIL, controllers=[PID], method=sr.Radau(rtol=1e-9))
     for x in (problem.x0, problem.x0 * [1.1, 0.9, 1.2]):
-        run = sr.simulate(system(*x), until=UNTIL, controllers=[PID], store_steps=True, rtol=1e-9)
+        run = sr.simulate(
+            system(*x), until=UNTIL, controllers=[PID], store="steps", method=sr.Radau(rtol=1e-9)
+        )
         expected = sr.sensitivity(run, OFF, wrt=GAINS)
         value, gradient = problem.value_and_grad(x)
         assert value == pytest.approx(expected.values[0], rel=1e-12)
@@ -55,7 +57,7 @@ def test_gains_of_a_pid_controller_are_tuned() -> None:
 
 def cost(system: sr.System) -> float:
     """The cost of a run."""
-    run = sr.simulate(system, until=UNTIL, controllers=[PID], store_steps=True)
+    run = sr.simulate(system, until=UNTIL, controllers=[PID], store="steps")
     return float(sr.sensitivity(run, OFF, wrt=["kp.value"]).values[0])
 
 

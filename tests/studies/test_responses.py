@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+import sarrus as sr
 from sarrus.model import SarrusError
 from sarrus.studies.responses import Response, responses_of
+from sarrus.studies.runs import Simulation
+from sarrus.studies.source import Start
 
 T = np.linspace(0, 2, 2001)
 HISTORIES = {"slider.x": np.sin(T), "rod.x": T**2, "k": 3.0}
@@ -61,3 +64,14 @@ def test_what_is_no_number_is_an_error() -> None:
 def test_names_of_responses() -> None:
     found = responses_of(["max(slider.x)", np.linalg.norm])
     assert [one.name for one in found] == ["max(slider.x)", "norm"]
+
+
+def test_only_what_responses_depend_on_is_computed() -> None:
+    """Accelerations and multipliers stay uncomputed until a response reads a reaction."""
+    system = sr.System(sr.load("slider_crank"))
+    found = Simulation(until=0.5).found(system, Start(system.q0, system.v0), (), np.inf)
+    run, whole = found.result, sr.simulate(system, until=0.5)
+    np.testing.assert_allclose(found.lookup("slider.x"), whole["slider.x"], rtol=1e-12)
+    assert "a" not in run.__dict__
+    np.testing.assert_allclose(found.lookup("pin.force.x"), whole["pin.force.x"], rtol=1e-9, atol=1e-9)
+    assert "a" in run.__dict__

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from tests.studies import own
 
+from sarrus.analyses import Radau
 from sarrus.model import Model, SarrusError
 from sarrus.studies import Distribution, LatinHypercube, Range, Simulation, Sobol, Statics, study, uncertainty
 
@@ -20,7 +21,7 @@ RESPONSES = {
     "work": "spring.k*integral(slider.velocity.x**2)",
     "at": "at(slider.x, 0.7) - initial(slider.x)",
 }
-RUN = Simulation(until=1.5, rtol=1e-7)
+RUN = Simulation(until=1.5, method=Radau(rtol=1e-7))
 
 
 @pytest.mark.slow
@@ -42,7 +43,7 @@ def test_a_linear_response_is_exact(model: Model) -> None:
 
 def test_derivatives_are_those_of_the_runs(model: Model) -> None:
     """Histories so dense that a maximum is met well enough."""
-    run = Simulation(until=1.5, steps=20_000, rtol=1e-9)
+    run = Simulation(until=1.5, steps=20_000, method=Radau(rtol=1e-9))
     exact = uncertainty(model, {"spring.k": Range(9.9, 10.1)}, RESPONSES, analysis=run)
     pair = study(model, {"spring.k": [9.99, 10.01]}, RESPONSES, analysis=run, workers=1)
     slopes = (pair.found[1] - pair.found[0]) / 0.02

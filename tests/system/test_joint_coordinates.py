@@ -140,9 +140,7 @@ def test_a_wheel_that_spins_counts_its_turns() -> None:
         sr.System(sr.Model("wheel", [wheel], [pin])),
         until=2.0,
         t_eval=np.linspace(0, 2, 9),
-        rtol=1e-8,
-        atol=1e-10,
-        method=sr.ODE(),
+        method=sr.ODE(rtol=1e-8, atol=1e-10),
     )
     motion = run.joint("pin")
     assert np.allclose(motion.angle, 40.0 * run.t, atol=1e-6)
@@ -186,7 +184,7 @@ def test_the_hinge_of_a_massless_link_counts_its_turns() -> None:
     ball = sr.Body("ball", 1.0, (1, 1, 1), position=(2, 0, 0), velocity=(0, 3, 0))
     ends = sr.ground.point(0, 0, 0), ball.point(0, 0, 0)
     system = sr.System(sr.Model("m", [ball], [sr.RevoluteSpherical("link", *ends, axis=(0, 0, 1))]))
-    run = sr.simulate(system, until=12.0, method=sr.ODE(), rtol=1e-9, atol=1e-11)
+    run = sr.simulate(system, until=12.0, method=sr.ODE(rtol=1e-9, atol=1e-11))
     link = run.joint("link")
     assert link.angle == pytest.approx(1.5 * run.t, abs=1e-6)
     assert link.rate == pytest.approx(1.5, abs=1e-8)
@@ -199,7 +197,7 @@ def test_both_hinges_of_a_link_are_read() -> None:
     )
     ends = sr.ground.point(0, 0, 0), disc.point(0, 0, 0)
     system = sr.System(sr.Model("m", [disc], [sr.RevoluteRevolute("link", *ends, axis_i=(0, 0, 1))]))
-    run = sr.simulate(system, until=9.0, method=sr.ODE(), rtol=1e-9, atol=1e-11)
+    run = sr.simulate(system, until=9.0, method=sr.ODE(rtol=1e-9, atol=1e-11))
     link = run.joint("link")
     assert link.values["angle_i"] == pytest.approx(1.5 * run.t, abs=1e-6)
     assert link.values["angle_j"] == pytest.approx(0, abs=1e-6)

@@ -30,7 +30,7 @@ def test_the_angle_is_continuous_over_turns() -> None:
 
 def test_a_weak_spring_winds_up_over_several_turns() -> None:
     k, inertia, spin = 0.02, 2.0, 8.0
-    run = sr.simulate(wheel(spin, k=k), until=20.0, rtol=1e-10, atol=1e-12, method=sr.ODE())
+    run = sr.simulate(wheel(spin, k=k), until=20.0, method=sr.ODE(rtol=1e-10, atol=1e-12))
     omega = np.sqrt(k / inertia)
     expected = spin * np.cos(omega * run.t)
     assert run.success

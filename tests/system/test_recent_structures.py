@@ -2,6 +2,10 @@
 
 import gc
 import weakref
+from collections.abc import Callable
+from typing import Any
+
+import pytest
 
 import sarrus as sr
 from sarrus.system.structure.structure import RECENT, _recent
@@ -38,3 +42,25 @@ def test_only_the_last_structures_of_small_systems_are_kept() -> None:
     assert kept[0]() is None
     assert kept[-1]() is not None
     assert large() is None
+
+
+ANALYSES: dict[str, Callable[[sr.System], Any]] = {
+    "assemble": sr.assemble,
+    "equilibrium": sr.equilibrium,
+    "linearize": lambda system: sr.linearize(system, system.q0),
+    "modes": lambda system: sr.modes(system, sr.equilibrium(system)),
+    "simulate": lambda system: sr.simulate(system, until=0.1).q,
+    "forward dynamics": lambda system: system.forward_dynamics.in_coordinates(["j0.angle"])(
+        system.q0, system.v0
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ANALYSES)
+def test_a_system_and_what_is_kept_with_it_are_freed(name: str) -> None:
+    system = pendulum(1)
+    ANALYSES[name](system)
+    gone = weakref.ref(system)
+    del system
+    gc.collect()
+    assert gone() is None

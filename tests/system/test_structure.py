@@ -35,7 +35,7 @@ def test_systems_of_one_model_share_their_structure_but_no_number() -> None:
 
 def test_a_gradient_is_the_same_whether_a_like_system_was_there_before_or_not() -> None:
     def gradient(system: sr.System) -> np.ndarray:
-        run = sr.simulate(system, until=0.2, t_eval=[0.2], store_steps=True)
+        run = sr.simulate(system, until=0.2, t_eval=[0.2], store="steps")
         return np.asarray(sr.sensitivity(run, sr.Final("slider.x")).matrix)
 
     alone = gradient(crank(pin_axis_x=2.0))  # a direction: how it turns goes with its length

@@ -25,7 +25,7 @@ def driven() -> sr.Trajectory:
 @cache
 def free() -> sr.Trajectory:
     system = sr.System(sr.load(mechanisms.path("slider_crank")))
-    return sr.simulate(system, sr.assemble(system), until=0.4, method=sr.HHT(), store_steps=True)
+    return sr.simulate(system, sr.assemble(system), until=0.4, method=sr.HHT(), store="steps")
 
 
 def axes() -> object:

@@ -48,7 +48,7 @@ def shown() -> dict[str, object]:
     model = sr.load(mechanisms.path("slider_crank"))
     system = sr.System(model)
     start = sr.assemble(system)
-    run = sr.simulate(system, start, until=0.5, store_steps=True)
+    run = sr.simulate(system, start, until=0.5, store="steps")
     balance = sr.equilibrium(system)
     cases = {"spring.k": [8.0, 10.0, 12.0]}
     return {

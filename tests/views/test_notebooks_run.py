@@ -17,7 +17,7 @@ CELLS = {
     "System": "system = sr.System(model)\nsystem",
     "Mobility": "sr.mobility(system)",
     "Assembly": "start = sr.assemble(system)\nstart",
-    "Trajectory": "run = sr.simulate(system, start, until=0.5, store_steps=True)\nrun",
+    "Trajectory": 'run = sr.simulate(system, start, until=0.5, store="steps")\nrun',
     "EnergyBalance": "run.energy_balance()",
     "Gradient": 'sr.sensitivity(run, sr.Final("slider.x"), ["spring.k", "rod.mass"])',
     "Hessian": 'sr.hessian(run, sr.Final("slider.x"), ["spring.k", "spring.length"])',

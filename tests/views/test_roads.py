@@ -68,10 +68,29 @@ def test_the_surface_has_the_profile_of_the_road() -> None:
     assert flat[:, 2].max() == pytest.approx(0.01)
 
 
+def test_a_surface_is_drawn_as_far_as_its_grid_reaches() -> None:
+    """From behind the path, which begins at x = 0, to the end of the grid; closed, and with the heights of the grid."""
+    x, y = np.linspace(-5, 3, 33), np.linspace(-0.5, 9, 20)
+    surface = sr.Surface(x, y, 0.05 * np.sin(2 * x[:, None]) * np.cos(y))
+    body = sr.Body("wheel", mass=20.0, inertia=(1, 1, 1), position=(0, 0, 0.35), velocity=(4, 0, 0))
+    law = {"k": 2e4, "c_kappa": 2e4, "c_alpha": 2e4, "mu": 1.0, "radius": RADIUS}
+    tyre = sr.BrushTyre("tyre", body.point(0, 0, 0), **law, spin_inertia=1.0, road=surface)
+    model = sr.Model("grid", [body], [], [tyre], gravity=(0, 0, -9.81))
+    positions = np.array([[at, 0.2, 0.35, 1, 0, 0, 0] for at in (0.0, 2.9)])
+    (road,) = (part for part in sketch(model, positions).parts if part.description == "road")
+    corners = road.mesh.vertices
+    assert corners.min(axis=0)[:2] == pytest.approx([-2.5 * RADIUS, 0.2 - 0.7 * RADIUS])
+    assert corners.max(axis=0)[:2] == pytest.approx([3.0, 0.2 + 0.7 * RADIUS])
+    above = corners[:, 2] - surface.height(corners[:, 0], corners[:, 1])
+    assert np.all((abs(above) < 1e-12) | (abs(above + 0.05 * RADIUS) < 1e-12))
+    long, wide, _ = np.ptp(corners, axis=0)
+    assert volume(road.mesh) == pytest.approx(long * wide * 0.05 * RADIUS, rel=1e-4)
+
+
 def test_a_road_that_moves_is_drawn_where_it_is(tmp_path: Path) -> None:
     t = np.linspace(0, 1, 41)
     drawn = sketch(ride().system.model, ride().q, t)
-    rises = drawn.road_coordinates(t).reshape(41, 1, 7)[:, 0]
+    rises = drawn.coordinates(t, ride().q, ride().v)[:, 21:]
     assert rises[:, 2] == pytest.approx(0.02 * np.cos(9 * t), abs=1e-12)
     assert np.all(rises[:, [0, 1, 4, 5, 6]] == 0)
     assert np.all(rises[:, 3] == 1)

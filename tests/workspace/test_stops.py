@@ -97,8 +97,8 @@ def test_the_other_analyses_end_early(how: dict[str, object], message: str) -> N
         assert not found.success, name
         assert found.status in ("time limit", "stopped"), name
         assert found.warnings, name
-    with pytest.raises(sr.StrictError, match=message):
-        sr.workspace_range(arm, tip["z"], strict=True, **how)
+    with pytest.raises(sr.StrictError, match=message), sr.strict():
+        sr.workspace_range(arm, tip["z"], **how)
 
 
 @pytest.mark.slow

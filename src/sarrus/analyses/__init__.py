@@ -18,13 +18,17 @@ if TYPE_CHECKING:
     from .dynamics import repeat as repeat
     from .dynamics import resume as resume
     from .dynamics import simulate as simulate
+    from .dynamics.integrators.described import DescribedMethod as DescribedMethod
     from .dynamics.methods import Description as Description
     from .dynamics.methods import Equation as Equation
     from .dynamics.methods import Estimate as Estimate
     from .dynamics.methods import Stage as Stage
     from .dynamics.methods import Step as Step
+    from .dynamics.run_options import Limits as Limits
+    from .dynamics.run_options import Save as Save
     from .dynamics.sampled.controllers import Controller as Controller
     from .dynamics.sampled.stepper import Stepper as Stepper
+    from .dynamics.stepping.step_control import StepControl as StepControl
     from .equilibria.state_space import linearize as linearize
     from .equilibria.statics import equilibrium as equilibrium
     from .equilibria.vibration import modes as modes

@@ -20,8 +20,9 @@ from ..results.result import Result
 from .arguments import kind
 from .driven.kinematics import kinematics
 from .dynamics.error_goal import finer
-from .dynamics.recipe import method_with_options, rtol_of
+from .dynamics.integrators.differentiable import method_with_options
 from .dynamics.simulation import arguments_of, simulate
+from .dynamics.stepping.step_control import with_control
 from .dynamics.stepping.tolerance import Tolerances
 from .equations.length import extent
 from .equilibria.balance import FINISHED
@@ -36,10 +37,7 @@ STRIDE = 0.5  # of the longest step of a run, along curves, and between times: t
 ONCE = {
     "progress": None,
     "save": None,
-    "overwrite": False,
-    "max_steps": None,
     "executor": None,
-    "strict": False,
 }
 ANGLES = {
     *CARDAN,
@@ -56,7 +54,6 @@ def verify(
     factor: float = 0.1,
     *,
     digits: float = DIGITS,
-    strict: bool = False,
 ) -> Comparison:
     """Repeat an analysis with finer settings, and compare its values and derivatives.
 
@@ -77,7 +74,6 @@ def verify(
     wrt : names of parameters; the derivatives of the responses with respect to them are compared, too
     factor : of the tolerances, less than 1
     digits : in how many digits all numbers must agree
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -103,8 +99,10 @@ def verify(
     if parts and isinstance(analysed, Workspace):
         raise ValueError("verify: a workspace has no responses. Leave them out.")
     arguments = {**repetition.arguments, **{n: x for n, x in ONCE.items() if n in repetition.arguments}}
+    if repetition.analysis is simulate:
+        arguments["limits"] = None  # of time and steps; those of a workspace are what is analysed
     if parts and repetition.analysis is simulate:
-        arguments["store_steps"] = True
+        arguments["store"] = "steps"
         analysed = simulate(**arguments) if analysed.steps is None else analysed
     settings, refinement, tolerance = REFINED[repetition.analysis](analysed, arguments, factor)
     fine = repetition.analysis(**settings)
@@ -146,18 +144,14 @@ Refined = tuple[Arguments, str, float]
 def _run(run: Trajectory, arguments: Arguments, factor: float) -> Refined:
     """A run with smaller tolerances; a step of given length is shorter."""
     method = method_with_options(arguments["method"])
-    rtol = rtol_of(method, arguments.get("rtol"))
-    settings = finer({"atol": None, **arguments, "method": method, "rtol": rtol}, factor)
-    tolerance = float(Tolerances.of(run.system or arguments["system"], rtol, None).rtol_q.max())
-    if step := getattr(settings["method"], "step", None):
-        return settings, f"steps of {step:.3g} s", tolerance
+    smaller = finer(method, factor)
+    tolerance = float(Tolerances.of(run.system or arguments["system"], method.rtol, None).rtol_q.max())
+    if step := getattr(smaller, "step", None):
+        return {**arguments, "method": smaller}, f"steps of {step:.3g} s", tolerance
     steps = np.asarray(run.history)[:, 1]
-    settings["max_step"] = min(arguments["max_step"], STRIDE * float(steps.max()) if len(steps) else np.inf)
-    return (
-        settings,
-        f"tolerances times {factor:g} and steps of at most {settings['max_step']:.3g} s",
-        tolerance,
-    )
+    longest = min(method.max_step, STRIDE * float(steps.max()) if len(steps) else np.inf)
+    refinement = f"tolerances times {factor:g} and steps of at most {longest:.3g} s"
+    return {**arguments, "method": with_control(smaller, max_step=longest)}, refinement, tolerance
 
 
 def _motion(run: Trajectory, arguments: Arguments, factor: float) -> Refined:

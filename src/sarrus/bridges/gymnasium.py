@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
-from ..analyses import Stepper
+from ..analyses import Radau, Stepper
 from ..model import SarrusError
 from ..system import System
 
@@ -53,7 +53,10 @@ class MechanismEnv(gymnasium.Env[Array, Array]):
         rtol: float = 1e-6,
     ) -> None:
         self._system = system
-        self._options: dict[str, Any] = {"step": step, "inputs": [*inputs], "outputs": outputs, "rtol": rtol}
+        method = Radau(rtol=rtol)
+        self._options: dict[str, Any] = {
+            "step": step, "inputs": [*inputs], "outputs": outputs, "method": method
+        }  # fmt: skip
         self._reward, self._terminated, self._start, self._samples = reward, terminated, start, samples
         self._low, self._high = (np.array([limits[n] for limits in inputs.values()]) for n in (0, 1))
         self.action_space = gymnasium.spaces.Box(self._low, self._high, dtype=np.float64)

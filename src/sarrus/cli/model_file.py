@@ -24,7 +24,7 @@ def arguments(parser: argparse.ArgumentParser, *, optional: bool = False, ignore
     parser.add_argument(
         "model",
         nargs="?" if optional else None,
-        help="a .yaml or .json model file, a .urdf, .sdf or MJCF .xml, or slider_crank or hmmwv, which are shipped",
+        help="a .yaml or .json model file, a .urdf, .sdf or MJCF .xml, or slider_crank, hmmwv or car (shipped)",
     )
     parser.add_argument(
         "--base",

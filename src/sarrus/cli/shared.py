@@ -89,10 +89,11 @@ def method(parser: argparse.ArgumentParser, *, stores_steps: bool = False) -> No
 
 
 def method_of(chosen: argparse.Namespace) -> Any:
-    """The method chosen, with its own settings as they are by default."""
-    from ..analyses.integration_methods import method_of
+    """The method chosen, with the tolerances chosen and its own options as they are by default."""
+    from ..analyses.dynamics.integrators.differentiable import method_with_options
+    from ..analyses.dynamics.stepping.step_control import with_control
 
-    return method_of(chosen.method)
+    return with_control(method_with_options(chosen.method), rtol=chosen.rtol, atol=chosen.atol)
 
 
 def rest(parser: argparse.ArgumentParser) -> None:

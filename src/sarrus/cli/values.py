@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from math import inf, nan
 from pathlib import Path
 
@@ -20,16 +20,23 @@ def positive(text: str) -> float:
     return _number(text, "a positive finite number", 0.0)
 
 
-def duration(text: str) -> float:
-    """A time in s, or with a unit, ``500 ms``; greater than 0, and finite."""
-    from ..model.errors import SarrusError
-    from ..model.expression.quantity import quantity
+def positive_in(unit: str) -> Callable[[str], float]:
+    """Return the type of numbers greater than 0 in a unit, or with another one, as ``500 ms``."""
 
-    try:
-        seconds = str(quantity(text, "s"))
-    except SarrusError:
-        return positive(text)
-    return positive(seconds)
+    def value(text: str) -> float:
+        from ..model.errors import SarrusError
+        from ..model.expression.quantity import quantity
+
+        try:
+            number = str(quantity(text, unit))
+        except SarrusError:
+            return positive(text)
+        return positive(number)
+
+    return value
+
+
+duration = positive_in("s")
 
 
 def finite(text: str) -> float:
@@ -99,11 +106,16 @@ def model_out(text: str) -> Path:
     return _file(text, (*MODELS, *EXPORTS))
 
 
+def tyre_file(text: str) -> Path:
+    """A file of a tyre."""
+    return _file(text, (".tir",))
+
+
 def _file(text: str, endings: tuple[str, ...]) -> Path:
     path = Path(text)
     if path.suffix.lower() not in endings:
         raise argparse.ArgumentTypeError(
-            f"must end in {', '.join(endings[:-1])} or {endings[-1]}, but is {text}"
+            f"must end in {' or '.join(filter(None, (', '.join(endings[:-1]), endings[-1])))}, but is {text}"
         )
     return path
 

@@ -49,6 +49,7 @@ from .forces.torque import VaryingTorque as VaryingTorque
 from .forces.tsda import TSDA as TSDA
 from .forces.tsda import NonlinearTSDA as NonlinearTSDA
 from .forces.tyre import RoadTyre as RoadTyre
+from .forces.tyre import SurfaceTyre as SurfaceTyre
 from .forces.tyre import Tyre as Tyre
 from .inertia import EccentricInertia as EccentricInertia
 from .inertia import RigidInertia as RigidInertia

@@ -20,6 +20,7 @@ from .operators import DERIVATIVES, OPERATORS, Axis, Derivative
 
 HELD = (
     "Curve",
+    "Surface",
     "Memory",
 )  # kinds of fields that are no parameters: nothing is differentiated with respect to them
 

@@ -30,11 +30,14 @@ Vec3: TypeAlias = Annotated[Array, "Vec3"]
 Inertia: TypeAlias = Annotated[Array, "Inertia"]
 Scalar: TypeAlias = Annotated[Any, "Scalar"]
 Curve: TypeAlias = Annotated[Any, "Curve"]
+Surface: TypeAlias = Annotated[Any, "Surface"]
 Memory: TypeAlias = Annotated[Any, "Memory"]
 Vec6: TypeAlias = Annotated[Array, "Vec6"]
 Mat66: TypeAlias = Annotated[Array, "Mat66"]  # 36 numbers, row by row
 Time: TypeAlias = Annotated[Any, "Time"]
-WIDTHS = {"Vec3": 3, "Inertia": 6, "Scalar": 1, "Curve": 1, "Memory": 1, "Time": 0, "Vec6": 6, "Mat66": 36}
+WIDTHS = {
+    "Vec3": 3, "Inertia": 6, "Scalar": 1, "Curve": 1, "Surface": 1, "Memory": 1, "Time": 0, "Vec6": 6, "Mat66": 36
+}  # fmt: skip
 Grid: TypeAlias = "tuple[Row, ...]"
 
 

@@ -12,12 +12,14 @@ from ..algebra import Array, Block
 from .curve import StoredCurve
 from .element import Element, ElementError, Pair, Single
 from .operators import Axis, Operator
+from .surface import StoredSurface
 
+STORED = {"Curve": StoredCurve, "Surface": StoredSurface}
 BODY_OPERANDS = ("q", "xi", "eta", "v", "a")
 
 
 def element_from(kind: type[Element], numbers: Array, store: Any = None, t: Any = 0) -> Element:
-    """The element of the flat vector of its numbers; `store` is the array in which its curves lie, t the time."""
+    """The element of the flat vector of its numbers; `store` is the array of its curves and surfaces, t the time."""
     values: list[Any] = []
     at = 0
     for field, width in zip(kind.fields.values(), kind.widths(), strict=True):
@@ -25,7 +27,7 @@ def element_from(kind: type[Element], numbers: Array, store: Any = None, t: Any 
             values.append(t)
             continue
         value = numbers[at : at + width] if width > 1 else numbers[at]
-        values.append(StoredCurve(store, value) if field == "Curve" else value)
+        values.append(STORED[field](store, value) if field in STORED else value)
         at += width
     return kind(*values)
 

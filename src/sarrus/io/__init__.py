@@ -9,8 +9,12 @@ from .by_ending import importer as importer
 from .by_ending import load_any as load_any
 from .export import export as export
 from .mjcf import load_mjcf as load_mjcf
+from .road import load_road as load_road
 from .robot import Robot as Robot
 from .sdf import load_sdf as load_sdf
+from .tir import TyreFile as TyreFile
+from .tir import load_tyre as load_tyre
+from .tyre_fit import TyreFit as TyreFit
 from .urdf import load_urdf as load_urdf
 
 import_modules(__name__, __path__)

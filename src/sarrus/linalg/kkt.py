@@ -13,7 +13,7 @@ from scipy.sparse.linalg import LinearOperator, gmres
 from .._jit.linking.link import link
 from ..algebra import Array
 from .factors import DENSE_BELOW, LUFactors
-from .rank import DEPENDENT, row_lengths
+from .rank import DEPENDENT, row_lengths, with_data
 from .sparse_lu import compressed
 
 PROXIMAL = 1e-8  # the place of 0 is taken by -PROXIMAL, where J A⁻¹ Jᵀ has ones on its diagonal
@@ -86,13 +86,15 @@ class KKT:
     def _refined(self, f: Array, g: Array) -> tuple[Array, Array]:
         x, y = self._step(f, g)
         size, before = float(abs(x).max(initial=0.0)), math.inf
-        for _ in range(REFINEMENTS):
+        for left in reversed(range(REFINEMENTS)):
             dx, dy = self._step(f - self._A @ x - self._JT @ y, g - self._J @ x)
             change = float(abs(dx).max(initial=0.0))
             if change >= before:
                 break
+            rate = change / before
             x, y, before = x + dx, y + dy, change
-            if change <= SMALL * size:
+            # corrections are sums of geometric series, so that they do not begin to fall faster
+            if change <= SMALL * size or change * rate**left > DEPENDENT * size:
                 break
         if before <= DEPENDENT * size:
             return x, y
@@ -140,7 +142,7 @@ def _times(factors: Array, columns: Array) -> Array:
 
 def _scaled(matrix: csr_array, rows: Array, columns: Array) -> csr_array:
     i, j = _places(matrix)
-    return csr_array((rows[i] * matrix.data * columns[j], matrix.indices, matrix.indptr), shape=matrix.shape)
+    return with_data(matrix, rows[i] * matrix.data * columns[j])
 
 
 def diagonal(weight: Array) -> csr_array:

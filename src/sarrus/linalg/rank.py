@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -13,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from ..algebra import Array
+from .threads import one_thread
 
 DEPENDENT = 1e-9
 
@@ -83,25 +83,25 @@ def unit_rows(J: csr_array) -> csr_array:
 
 def divided(J: csr_array, rows: Array) -> csr_array:
     """J with every row divided by a number."""
-    return with_data(J, J.data / rows[_rows(J)])
+    return with_data(J, J.data / rows[rows_of_entries(J)])
 
 
 def with_data(J: csr_array, data: Array) -> csr_array:
     """A matrix with the pattern of J, which is not checked again, and other values."""
-    found = copy(J)
-    found.data = data
+    found = csr_array.__new__(csr_array)
+    found.__dict__.update(J.__dict__, data=data)
     return found
 
 
 def row_lengths(J: csr_array) -> Array:
     """Length of every row (m,), 1 for rows of zeros."""
-    length = np.sqrt(np.bincount(_rows(J), weights=J.data * J.data, minlength=J.shape[0]))
+    length = np.sqrt(np.bincount(rows_of_entries(J), weights=J.data * J.data, minlength=J.shape[0]))
     return np.where(length > 0, length, 1.0)
 
 
-def _rows(J: csr_array) -> Array:
-    """The row of every number."""
-    return np.repeat(np.arange(J.shape[0]), np.diff(J.indptr))
+def rows_of_entries(J: csr_array) -> Array:
+    """The row of every stored entry."""
+    return np.repeat(np.arange(J.shape[0]), J.indptr[1:] - J.indptr[:-1])
 
 
 def independent_rows(null: Array, last: Array) -> Array:
@@ -139,7 +139,8 @@ def _null_of(unit: csr_array, tolerance: float | None) -> tuple[Array, float]:
     m, used = unit.shape[0], np.unique(unit.indices)
     tolerance = zero_below(m) if tolerance is None else tolerance
     if m > DENSE_UP_TO:
-        return _null_by_iteration(unit, tolerance, m - len(used))
+        with one_thread.held():  # blocks of a few vectors gain nothing by others
+            return _null_by_iteration(unit, tolerance, m - len(used))
     dense = (unit if 2 * len(used) > unit.shape[1] else unit[:, used]).toarray()
     values = np.linalg.svd(dense, compute_uv=False)
     values = np.concatenate([values, np.zeros(m - len(values))])

@@ -243,13 +243,15 @@ def solve(pointers: Array, rows: Array, diagonal: Array, factors: Array, x: Arra
     """Solve L U x = x in place."""
     n = len(diagonal)
     for j in range(n):
-        if x[j] != 0.0:
+        value = x[j]
+        if value != 0.0:
             for entry in range(diagonal[j] + 1, pointers[j + 1]):
-                x[rows[entry]] -= factors[entry] * x[j]
+                x[rows[entry]] -= factors[entry] * value
     for j in range(n - 1, -1, -1):
-        x[j] /= factors[diagonal[j]]
+        value = x[j] / factors[diagonal[j]]
+        x[j] = value
         for entry in range(pointers[j], diagonal[j]):
-            x[rows[entry]] -= factors[entry] * x[j]
+            x[rows[entry]] -= factors[entry] * value
 
 
 @compiled(entry=True)

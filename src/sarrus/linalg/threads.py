@@ -23,7 +23,7 @@ def one_thread_if_small(analysis: Callable[P, R]) -> Callable[P, R]:
         system = first if hasattr(first, "nq") else getattr(first, "system", None)
         if getattr(system, "nq", SMALL) >= SMALL:
             return analysis(*args, **kwargs)
-        with _LIMIT.held():
+        with one_thread.held():
             return analysis(*args, **kwargs)
 
     return limited
@@ -58,7 +58,7 @@ class _Limit:
                     self._limiter.restore_original_limits()
 
 
-_LIMIT = _Limit()
+one_thread = _Limit()
 
 
 @cache

@@ -15,14 +15,20 @@ def names() -> tuple[str, ...]:
     return tuple(sorted(file.stem for file in _FOLDER.glob("*.yaml")))
 
 
+def suspensions() -> tuple[str, ...]:
+    """Return the names of the shipped suspensions, each one axle with its rig."""
+    return tuple(sorted(file.stem for file in _FOLDER.glob("suspensions/*.yaml")))
+
+
 def path(name: str) -> Path:
-    """Return the model file of a shipped mechanism.
+    """Return the model file of a shipped mechanism or suspension.
 
     Raises
     ------
     ModelError
-        If there is no mechanism of this name.
+        If there is none of this name.
     """
-    if name not in names():
-        raise ModelError(f"there is no shipped mechanism {quote(name)}. {suggest(name, names())}")
-    return _FOLDER / f"{name}.yaml"
+    known = {file.stem: file for file in _FOLDER.rglob("*.yaml")}
+    if name not in known:
+        raise ModelError(f"there is no shipped mechanism {quote(name)}. {suggest(name, sorted(known))}")
+    return known[name]

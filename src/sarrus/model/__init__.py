@@ -1,5 +1,6 @@
 """The user's model: bodies, points, frames, joints, drivers, forces, and the model file."""
 
+from .announcement import strict as strict
 from .bodies.body import Body as Body
 from .bodies.shape import Shape as Shape
 from .drivers.driver import AngleDriver as AngleDriver
@@ -51,6 +52,8 @@ from .geometry.points import Point as Point
 from .geometry.points import PointCoordinate as PointCoordinate
 from .geometry.points import Rotation as Rotation
 from .geometry.points import ground as ground
+from .hardpoints import Hardpoint as Hardpoint
+from .hardpoints import Hardpoints as Hardpoints
 from .joints.conditions import Cartesian as Cartesian
 from .joints.conditions import ConstantAngle as ConstantAngle
 from .joints.conditions import ParallelAxes as ParallelAxes
@@ -81,6 +84,9 @@ from .joints.rolling import RollingSphere as RollingSphere
 from .joints.rolling import RollingWheel as RollingWheel
 from .laws.curve import Curve as Curve
 from .laws.curve import Formula as Formula
+from .laws.road import RandomRoad as RandomRoad
+from .laws.surface import Surface as Surface
+from .mirror_image import both_sides as both_sides
 from .model import Model as Model
 from .states.actuators import DCMotor as DCMotor
 from .states.actuators import HydraulicCylinder as HydraulicCylinder
@@ -90,8 +96,20 @@ from .states.control import PID as PID
 from .states.control import FirstOrderLag as FirstOrderLag
 from .states.control import StateSpaceBlock as StateSpaceBlock
 from .states.control import TransferFunction as TransferFunction
+from .states.driveline import Brake as Brake
+from .states.driveline import Differential as Differential
+from .states.driveline import ElectricMotor as ElectricMotor
+from .states.driveline import Engine as Engine
+from .states.driveline import Shaft as Shaft
+from .states.driveline import TorqueConverter as TorqueConverter
+from .states.driveline import Transmission as Transmission
 from .states.input import Input as Input
+from .states.path_follower import PathFollower as PathFollower
 from .states.rheology import LuGre as LuGre
 from .states.rheology import Maxwell as Maxwell
 from .states.state_variable import StateVariable as StateVariable
+from .tyres.brush import BrushTyre as BrushTyre
+from .tyres.fiala import FialaTyre as FialaTyre
+from .tyres.magic_formula import MagicFormulaTyre as MagicFormulaTyre
+from .tyres.tmeasy import TmeasyTyre as TmeasyTyre
 from .words import describe as describe

@@ -5,14 +5,15 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from contextvars import ContextVar
 from functools import wraps
 from inspect import signature
 from typing import Any, NamedTuple, ParamSpec, TypeVar, cast
 
-from .checks.arguments import checker
+from .checks.arguments import CHECKS, checker
 from .errors import SarrusWarning, StrictError
+from .read_only import read_only
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -71,6 +72,28 @@ class Collection:
 
 
 _collection: ContextVar[Collection | None] = ContextVar("collection", default=None)
+_strict: ContextVar[bool] = ContextVar("strict", default=False)
+
+
+@contextmanager
+def strict(on: bool = True) -> Iterator[None]:
+    """Raise the first warning of models, systems and analyses in this block as a `StrictError`, where it arises.
+
+    Parameters
+    ----------
+    on : false: warnings are issued, as outside of such blocks
+
+    Examples
+    --------
+    >>> with sr.strict():  # doctest: +SKIP
+    ...     run = sr.simulate(sr.System(model), until=1.0)
+    """
+    CHECKS["strict"]("strict", on)
+    token = _strict.set(bool(on))
+    try:
+        yield
+    finally:
+        _strict.reset(token)
 
 
 @contextmanager
@@ -96,7 +119,7 @@ def carry(messages: tuple[str, ...]) -> None:
     Raises
     ------
     StrictError
-        With the first message, if the analysis was called with ``strict=True``.
+        With the first message, in a block `strict`.
     """
     collection = _collection.get()
     if collection is not None and messages:
@@ -105,63 +128,85 @@ def carry(messages: tuple[str, ...]) -> None:
         collection.carried = messages
 
 
-def announce(messages: Iterable[str], *, strict: bool = False, stacklevel: int = 3) -> tuple[str, ...]:
-    """Issue each message once as a `SarrusWarning`, and return them for the result's ``warnings``.
+def announce(messages: Iterable[str]) -> tuple[str, ...]:
+    """Issue each message once as a `SarrusWarning` at the user's line; return them for the result's ``warnings``.
 
     Inside an analysis they are handed to it, and it issues them at its end.
 
     Parameters
     ----------
     messages : in order; repeated ones are dropped
-    strict : raise the first one instead
-    stacklevel : as of `warnings.warn`; 3 points at the caller of the analysis that calls this function
 
     Raises
     ------
     StrictError
-        With the first message, if `strict`, or if the analysis that is running was called so.
+        With the first message, in a block `strict`.
     """
     unique, outer = tuple(dict.fromkeys(messages)), _collection.get()
-    if unique and (strict or (outer is not None and outer.strict)):
+    if unique and is_strict():
         raise StrictError(unique[0])
     if outer is not None:
         outer.add(unique)
         return unique
-    for message in unique:
-        warnings.warn(message, SarrusWarning, stacklevel=stacklevel)
+    warn_now(unique)
     return unique
 
 
 def is_strict() -> bool:
-    """Whether the analysis that is running raises its first message."""
+    """Whether the first message is raised."""
     collection = _collection.get()
-    return collection is not None and collection.strict
+    return _strict.get() if collection is None else collection.strict
 
 
-def warn_now(messages: Iterable[str]) -> None:
+def warn_now(messages: Iterable[str], category: type[Warning] = SarrusWarning) -> None:
     """Issue messages about a result that exists, at the user's line; they are no matter of an analysis that uses it."""
     frame, level = sys._getframe(1), 2
     while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] in INNER:
         frame, level = frame.f_back, level + 1
     for message in messages:
-        warnings.warn(message, SarrusWarning, stacklevel=level)
+        warnings.warn(message, category, stacklevel=level)
+
+
+def former_strict(kwargs: dict[str, Any]) -> AbstractContextManager[None]:
+    """The block of the deprecated keyword ``strict``, which is removed from the keywords."""
+    if "strict" not in kwargs:
+        return nullcontext()
+    warn_now(["strict= is deprecated. Use a block `with sr.strict():`."], DeprecationWarning)
+    return strict(kwargs.pop("strict"))
+
+
+def accepts_strict(function: Callable[P, R]) -> Callable[P, R]:
+    """Decorate a public function that is no analysis, such as `System`: the deprecated keyword is accepted."""
+
+    @wraps(function)
+    def accepting(*args: P.args, **kwargs: P.kwargs) -> R:
+        with former_strict(kwargs):
+            return function(*args, **kwargs)
+
+    return accepting
 
 
 def reports_warnings(analysis: Callable[P, R]) -> Callable[P, R]:
     """Decorate a public analysis: what is announced in it is issued at its end and stored in its result.
 
-    The result has its `Call`, too. The analysis has a keyword ``strict``, with which the first message is raised where
-    it arises. Its arguments are checked before it runs, see `arguments`.
+    The result has its `Call`, too. In a block `strict` the first message is raised where it arises, that of an analysis
+    within another one at its end. Its arguments are checked before it runs, see `arguments`.
     """
     check = checker(analysis)
 
     @wraps(analysis)
     def reporting(*args: P.args, **kwargs: P.kwargs) -> R:
-        args, kwargs = check(args, kwargs)  # type: ignore[assignment]
-        with collecting(bool(kwargs.get("strict", False))) as found:
+        with former_strict(kwargs):
+            args, kwargs = check(args, kwargs)  # type: ignore[assignment]
+            return reported(*args, **kwargs)
+
+    def reported(*args: P.args, **kwargs: P.kwargs) -> R:
+        with collecting(_strict.get() and _collection.get() is None) as found:
             result = analysis(*args, **kwargs)
         if getattr(result, "call", found) is None:  # a frozen result, which is new
             object.__setattr__(result, "call", Call.of(reporting, args, kwargs))
+        if _collection.get() is None:  # the user's own call: inner ones may go on with their arrays
+            result = cast(R, read_only(result))
         return with_warnings(result, tuple(dict.fromkeys((*found.carried, *announce(found.messages)))))
 
     return reporting

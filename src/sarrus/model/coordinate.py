@@ -23,7 +23,7 @@ WORDS: dict[type[Element], str] = {ANGLE: "angle", DISPLACEMENT: "displacement"}
 
 
 class Coordinate(NamedTuple):
-    """An angle or displacement of a joint: the element that measures it, its value in the initial pose, its name."""
+    """An angle or displacement of a joint: the element that measures it, its value in the design position, its name."""
 
     measure: Primitive
     start: float
@@ -79,14 +79,14 @@ def heading(
 
 
 def angle_between(f: tuple[str, Vec3], g: tuple[str, Vec3], a: tuple[str, Vec3], poses: Poses) -> float:
-    """The angle of a in the plane of f and g in the initial pose, each given with its body. [rad]"""
+    """The angle of a in the plane of f and g in the design position, each given with its body. [rad]"""
     f_, g_, a_ = (turned(vector, body, poses) for body, vector in (f, g, a))
     value: float = atan2(plain(g_ @ a_), plain(f_ @ a_))
     return value
 
 
 def turned(local: Vec3, body: str, poses: Poses) -> Array:
-    """A vector of a body in global axes, in the initial pose."""
+    """A vector of a body in global axes, in the design position."""
     return np.asarray(find(body, poses, "body").A @ np.array(local))
 
 

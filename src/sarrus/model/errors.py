@@ -69,7 +69,7 @@ class SarrusWarning(UserWarning):
 
 
 class StrictError(SarrusError, RuntimeError):
-    """A warning of an analysis that was called with ``strict=True``."""
+    """A warning in a block `strict`."""
 
 
 def listed(names: Sequence[str], separator: str = ", ", most: int = SHOWN) -> str:

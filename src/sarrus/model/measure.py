@@ -34,6 +34,8 @@ class In:
         Whether a law over time may contain states and outputs of filters, as the motion of a driver.
     moving
         Whether coordinates may be formulas in t, where the point is one of the ground.
+    direction
+        Whether only the direction of the vector counts: it may be of lengths, or given by two points.
     """
 
     unit: str
@@ -42,6 +44,7 @@ class In:
     outputs: bool = False
     states: bool = False
     moving: bool = False
+    direction: bool = False
 
 
 Mass: TypeAlias = Annotated[float, In("kg")]
@@ -50,7 +53,7 @@ Angle: TypeAlias = Annotated[float, In("rad")]
 Position: TypeAlias = Annotated[Vector, In("m", named=True)]  # a global point
 Place: TypeAlias = Annotated[Vector, In("m", named=True, moving=True)]  # one that may move with the ground
 Offset: TypeAlias = Annotated[Vector, In("m")]  # in body axes
-Direction: TypeAlias = Annotated[Vector, In("1")]
+Direction: TypeAlias = Annotated[Vector, In("1", direction=True)]
 Velocity: TypeAlias = Annotated[Vector, In("m/s")]
 AngularVelocity: TypeAlias = Annotated[Vector, In("rad/s")]
 Acceleration: TypeAlias = Annotated[Vector, In("m/s^2")]
@@ -103,6 +106,18 @@ def matrix_fields(kind: type) -> frozenset[str]:
     members = {name: typed(hint).members for name, hint in _hints(kind).items()}
     return frozenset(
         name for name, kinds in members.items() if Sequence[Sequence[float]] in kinds and float not in kinds
+    )
+
+
+@cache
+def directed_fields(kind: type) -> frozenset[str]:
+    """Return the fields of a dataclass that may have directions: vectors, frames, and matrices in a frame."""
+    members = {name: typed(hint).members for name, hint in _hints(kind).items()}
+    vector = typed(Vector).members
+    return frozenset(
+        name
+        for name, kinds in members.items()
+        if vector <= kinds or any(getattr(one, "__name__", "") == "Frame" for one in kinds)
     )
 
 

@@ -18,6 +18,8 @@ from .drivers import Driver
 from .errors import ModelError
 from .expression import Expression
 from .forces import Force
+from .geometry.points import GROUND
+from .geometry.pose import GROUND_POSE, Poses
 from .joints import Joint
 from .laws.formulas import Formulas
 from .preparation.prepare import prepare
@@ -81,8 +83,17 @@ class Model(Display, metaclass=CallCheck):
 
     @property
     def parameters(self) -> Mapping[str, float]:
-        """The value of every parameter of the model file, in SI units."""
+        """The value of every parameter of the model file, and of every coordinate of a hardpoint, in SI units."""
         return self.formulas.parameters
+
+    @property
+    def hardpoints(self) -> Mapping[str, tuple[float, float, float]]:
+        """The hardpoints by name, in global axes in the design position. [m]"""
+        values = self.formulas.parameters
+        return {
+            name: (values[f"{name}.x"], values[f"{name}.y"], values[f"{name}.z"])
+            for name in self.formulas.hardpoints
+        }
 
     @property
     def expressions(self) -> Mapping[Path, Expression]:
@@ -114,6 +125,24 @@ class Model(Display, metaclass=CallCheck):
             found.setdefault(section, [*sections[section]]).append(part)
         return replace(self, **found)
 
+    def with_parameters(self, values: Mapping[str, float | str]) -> Model:
+        """Return the model with other values of parameters, and of all that follows from them by formulas.
+
+        Parameters
+        ----------
+        values
+            By name, in SI units or as texts with units: coordinates of hardpoints, ``{"lower_ball.z": "-55 mm"}``,
+            parameters of the model file, and numbers of parts, as in ``spring.k``.
+
+        Raises
+        ------
+        ModelError
+            For an unknown name, or a value that is no number or in another unit.
+        """
+        from .written import with_parameters
+
+        return with_parameters(self, values)
+
     def view(self, file: Any = None, **options: Any) -> Any:
         """Show the mechanism in three dimensions, in the browser, a notebook or a file; see `sarrus.view`."""
         return renderer().view(self, file, **options)
@@ -143,6 +172,10 @@ class Model(Display, metaclass=CallCheck):
     def unwritten(self) -> tuple[str, ...]:
         """Return what the model has and a model file cannot contain, for a warning of `save`."""
         return ()
+
+    def design_poses(self) -> Poses:
+        """Return the poses of the ground and of all bodies in the design position, by name."""
+        return {GROUND: GROUND_POSE, **{body.name: body.pose() for body in self.bodies}}
 
     def looks(self) -> list[Look]:
         """The shapes of bodies, if given.

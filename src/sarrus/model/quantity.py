@@ -41,6 +41,8 @@ class InputNumber(float):
 
 def number(value: Any, field: str, remedy: str = "Give one finite number.") -> float:
     """Return ``value`` as a finite float, or raise a ModelError about ``field``."""
+    if type(value) is float and (value == 0.0 or sys.float_info.min <= abs(value) <= LARGEST):
+        return value
     if isinstance(value, Tracer | InputNumber):
         return value  # type: ignore[return-value]  # represents a number that was checked
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
@@ -99,7 +101,7 @@ def numbers(value: Any, count: int, field: str, remedy: str) -> tuple[float, ...
     if len(entries) != count:
         message = f"{field} must have {count} numbers, but has {len(entries)}. {remedy}"
         raise ModelError(message, field=field)
-    return tuple(number(entry, field, remedy) for entry in entries)
+    return tuple([number(entry, field, remedy) for entry in entries])
 
 
 def vector(value: Any, field: str, remedy: str = "Give three numbers [x, y, z].") -> Vec3:
@@ -111,12 +113,12 @@ def vector(value: Any, field: str, remedy: str = "Give three numbers [x, y, z]."
 def direction(value: Any, field: str) -> Array:
     """Return the unit vector along ``value``, or raise a ModelError about ``field``. (3,) [-]"""
     components = np.array(vector(value, field))
-    largest = float(np.max(np.abs(values_of(components))))
+    largest = float(abs(values_of(components)).max())
     if largest < SMALLEST_LENGTH:
         message = f"{field} has zero length. Give three numbers that are not all zero, for example [0, 0, 1]."
         raise ModelError(message, field=field)
     scaled = components / largest
-    return np.asarray(scaled / np.linalg.norm(scaled))
+    return np.asarray(scaled / np.sqrt(scaled @ scaled))
 
 
 def triple(values: Array) -> Vec3:
@@ -131,8 +133,8 @@ def plain(value: Any) -> float:
 
 def is_list(value: Any) -> bool:
     """Return whether ``value`` is a list, a tuple or the like, or an array with at least one axis."""
-    if isinstance(value, (str, bytes)):
-        return False
+    if isinstance(value, (list, tuple, str, bytes, float)):
+        return isinstance(value, (list, tuple))
     return isinstance(value, Sequence) or getattr(value, "ndim", 0) > 0
 
 

@@ -6,12 +6,13 @@ import re
 from dataclasses import MISSING, fields
 from inspect import cleandoc
 from reprlib import recursive_repr
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
 from .checks.calls import CallCheck
 from .errors import ModelError
+from .parity import Parities
 from .show import quote
 
 TITLE = "\n\nParameters\n----------\n"
@@ -80,6 +81,7 @@ class Part(metaclass=CallCheck):
     """A joint, driver or force. It is shown as `shown` does unless its class has a line of its own."""
 
     __repr__ = shown
+    parity: ClassVar[Parities] = {}
 
     def __post_init__(self) -> None:
         """Refuse one of two bodies, unless frames or points on bodies are given."""

@@ -14,6 +14,8 @@ from .. import elements
 from ..algebra import Array, cross
 from ..elements import Element
 from ..elements.element import Pair, Single, Vec3
+from ..elements.forces.tyres.contact import RollingTyre
+from ..elements.forces.tyres.rotor import Rotor
 from ..euler import A, B, E, G, rotate
 from ..functions import sqrt
 from .coordinate import Known, is_angle
@@ -176,7 +178,7 @@ class Signals:
     Parameters
     ----------
     poses
-        Of the bodies in the initial pose.
+        Of the bodies in the design position.
     known
         The coordinates of the joints.
     forces
@@ -211,6 +213,15 @@ class Signals:
         found = copy(self)
         found.states = {**self.states, **own}
         return found
+
+    def rotor(self, part: str) -> Measure | None:
+        """The rotor of a part, the wheel of a tyre, if it has one."""
+        primitives = self._forces.get(part, ())
+        return next((Measure.of(one) for one in primitives if one.element is Rotor), None)
+
+    def rolls(self, part: str) -> bool:
+        """Whether a part is a rolling tyre."""
+        return any(issubclass(one.element, RollingTyre) for one in self._forces.get(part, ()))
 
     def of(self, recording: Recording) -> list[Signal]:
         """The signals that were met by a recording, in the order of its inputs."""

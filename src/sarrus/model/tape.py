@@ -99,7 +99,7 @@ class Tape:
             Where an operation jumps, or is not recorded.
         """
         dots: dict[int, Any] = dict(rates)
-        for n in range(of.at + 1):
+        for n in self.origins(of.at):
             op, args = self.entries[n]
             if n not in dots and any(arg in dots for arg in args):
                 if isinstance(op, Operation):
@@ -113,6 +113,15 @@ class Tape:
                 pairs = zip(operation(op).slopes(*own), args, strict=True)
                 dots[n] = reduce(add, (slope * dots[arg] for slope, arg in pairs if arg in dots))
         return dots.get(of.at, 0.0)
+
+    def origins(self, at: int) -> list[int]:
+        """The places of an entry and of all entries of which it is made, in order."""
+        needed, waiting = {at}, [at]
+        while waiting:
+            new = [arg for arg in self.entries[waiting.pop()].args if arg not in needed]
+            needed.update(new)
+            waiting += new
+        return sorted(needed)
 
     def gradient(self, bars: Mapping[int, Any], without: Any = None) -> list[Any]:
         """The gradient by every entry of a sum of entries that are weighted with `bars`, given by their places.
@@ -461,6 +470,8 @@ def value_of(number: Any) -> Any:
 
 def values_of(array: Any) -> np.ndarray[Any, Any]:
     """An array of numbers of any kind as an array of floats, for checks."""
+    if isinstance(array, np.ndarray) and array.dtype == float:
+        return array
     entries = np.asarray(array, dtype=object)
     return np.array([float(value_of(entry)) for entry in entries.flat]).reshape(entries.shape)
 

@@ -11,30 +11,52 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
 from functools import lru_cache
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from .bodies.shape import Shape
+from .checks.arguments import in_si
 from .checks.findings import Path
+from .errors import ModelError
 from .expression import Expression, Number
 from .geometry.points import Point, Solid
 from .laws.curve import Curve, Formula
 from .laws.jumps import names_in_jumps
 from .laws.recorded import parsed
+from .laws.surface import Surface
 from .measure import matrix_fields, measures_of
-from .model import Model
-from .quantity import is_list
+from .quantity import ROUND_OFF, is_list, number
+from .show import quote, suggest
 from .tape import Tracer
+
+if TYPE_CHECKING:
+    from .model import Model
 
 Steps: TypeAlias = tuple[str | int, ...]
 Change: TypeAlias = Callable[[Steps, Any], Any]
-LABELS: dict[str, tuple[str, ...]] = {"inertia": ("xx", "yy", "zz"), "orientation": ("e0", "e1", "e2", "e3")}
+EULER = ("e0", "e1", "e2", "e3")
+LABELS: dict[str, tuple[str, ...]] = {
+    "inertia": ("xx", "yy", "zz"),
+    "orientation": EULER,
+    "initial_orientation": EULER,
+}
 AXES = ("x", "y", "z")
-# Fields whose entries have numbers: matrices of forces and torques, matrices and vectors of linear systems
-NUMBERED = {"stiffness", "damping", "preload", "numerator", "denominator", *"ABCD", "inputs", "initial"}
+# Fields whose entries have numbers: of forces and torques, of linear systems, points of paths
+NUMBERED = {
+    "stiffness",
+    "damping",
+    "preload",
+    "numerator",
+    "denominator",
+    *"ABCD",
+    "inputs",
+    "initial",
+    "path",
+}
 NAMES = 20_000  # that are remembered: a model is looked through several times for every design
 GRAVITY, RATES = "gravity", "rates"  # of a model, not of its parts
+DEFINING = ("parameters", "points")  # sections of a file whose numbers are no numbers of parts
 
 
 def written_numbers(model: Model) -> dict[str, float]:
@@ -67,6 +89,65 @@ def exchanged(model: Model, change: Change) -> Model:
 def with_numbers(model: Model, numbers: Mapping[str, Any]) -> Model:
     """Return the model with other numbers in the places that are named."""
     return exchanged(model, lambda steps, value: numbers.get(named(steps), value))
+
+
+def with_parameters(model: Model, values: Mapping[str, float | str]) -> Model:
+    """Return the model with other values of parameters; see `Model.with_parameters`."""
+    known = [*model.parameters, *written_numbers(model)]
+    for name in values:
+        if name not in known:
+            raise ModelError(f"there is no parameter {quote(name)}. {suggest(name, known)}", part="model")
+    new = {
+        name: number(in_si(name, value, _unit(model, name)), name, "Give a number in SI units.")
+        for name, value in values.items()
+    }
+    own = {name: value for name, value in new.items() if name in model.parameters}
+    changed = replace(model, formulas=model.formulas.with_values(own)) if own else model
+    others = {name: value for name, value in new.items() if name not in own}
+    return with_numbers(changed, following_numbers(model, own) | others)
+
+
+def _unit(model: Model, name: str) -> str | None:
+    """The SI unit of a parameter for a text such as "271 mm"; None if any unit may be meant."""
+    owner, _, rest = name.partition(".")
+    if owner in model.hardpoints:
+        return "m"
+    parts = (part for section in model.sections().values() for part in section if part.name == owner)
+    measures = measures_of(next(parts, None))
+    return measures[rest].unit or None if rest in measures else None
+
+
+def following_numbers(model: Model, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the numbers of parts that follow from parameters, by name, for values of any kind of these.
+
+    A number that has another value than its formula, as one of a part that was replaced, no longer follows, nor does
+    one of a part that was removed.
+    """
+    formulas = model.formulas
+    if not given:
+        return {}
+    values, moving = formulas.values(given), formulas.following(given)
+    present, written, sections = formulas.values(), written_numbers(model), model.sections()
+    parts = {part.name for section in sections.values() for part in section}
+    return {
+        name: values[parameter] for name, parameter in in_functions(model).items() if parameter in moving
+    } | {
+        name: tree.value(values)
+        for path, tree in formulas.expressions.items()
+        if path[0] not in DEFINING
+        and (path[0] not in sections or path[1] in parts)
+        and moving.intersection(tree.names())
+        and _has_value(written.get(name := named(steps_of(path))), tree, present)
+    }
+
+
+def _has_value(number: float | None, tree: Expression, values: Mapping[str, Any]) -> bool:
+    """Whether a number, if there is one, is that of its formula, except for round-off."""
+    if number is None:
+        return True
+    found = float(tree.value(values))
+    largest = max(abs(x) for x in (number, found, *(float(values[name]) for name in tree.names())))
+    return abs(found - number) <= ROUND_OFF * largest
 
 
 @lru_cache(NAMES)
@@ -123,7 +204,7 @@ def _value(value: Any, steps: Steps, change: Change, law: bool = False, tables: 
     """A field's value with its numbers changed; in a law, a text is a formula, and pairs are a table."""
     if isinstance(value, str) and law:
         value = parsed(value, str(steps[1]))
-    if isinstance(value, bool | str | Solid | Shape) or value is None:
+    if isinstance(value, bool | str | Solid | Shape | Surface) or value is None:
         return value
     if isinstance(value, Curve):
         if not value.pairs:

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from ..model.expansion.blueprint import Placement
-from ..model.geometry.points import GROUND, AxisName, Function, Point, PointCoordinate, Rotation, Solid
-from ..model.geometry.pose import GROUND_POSE
+from ..model.geometry.points import AXES, GROUND, AxisName, Function, Point, PointCoordinate, Rotation, Solid
 from ..model.show import quote, suggest
 from ..model.signals import RELATIVE, RELATIVE_WORDS
 from ..system import System
 from .output import POINT, Level, Output, UnknownOutput, among, calls, provides
 from .outputs import End
 
-AXES: tuple[AxisName, ...] = ("x", "y", "z")
 EULER = ("e0", "e1", "e2", "e3")
 ORIGIN = (0.0, 0.0, 0.0)
 TURNING = (
@@ -76,7 +74,10 @@ def _relative(part: str, i: End, j: End) -> Iterator[Output]:
 
 
 def _angles(part: str, i: End, j: End, every: bool) -> Iterator[Output]:
-    """Roll, pitch and yaw, and the angles of all sequences of rotations, which are too many for a list."""
+    """Roll, pitch and yaw, and the angles of all sequences of rotations, which are too many for a list.
+
+    They have no element that counts their revolutions, see `Outputs.angle`.
+    """
     numbered = {f"angles_{axes}.{n + 1}": (axes, n) for axes in SEQUENCES for n in range(3)}
     for word, (axes, n) in (CARDAN | (numbered if every else {})).items():
         yield Output(f"{part}.{word}", "rad", calls("angle", i, j, axes, n))
@@ -134,7 +135,7 @@ def placed(system: System, function: Function) -> Placement:
     UnknownOutput
         If it is of a body that the system does not have.
     """
-    poses = {GROUND: GROUND_POSE, **{body.name: body.pose() for body in system.model.bodies}}
+    poses = system.model.design_poses()
     number = {name: n for n, name in enumerate((GROUND, *system.bodies))}
     element, names, values, label = function.primitive(poses)
     for body in names:

@@ -241,7 +241,7 @@ class EnergyRecording(Recording):
         others = [p for p in members(self.system, energy) if not plain(p)]
         every = [(p, recorded(p.variant, energy), k) for p in others for k in range(p.count)]
         found = sum(self.replayed(p, k, one.graph, [one.value])[0] for p, one, k in every)
-        along = MotionEnergy(self.system, energy, self._b, *self.states[:3])
+        along = MotionEnergy(self.system, energy, self._b, self.states.t, self.states.q, self.states.v)
         return self._on_tape(along) + found if len(along.coordinates) else found
 
     def _on_tape(self, along: MotionEnergy) -> Tracer:

@@ -7,8 +7,8 @@ from itertools import product
 
 from ..model.coordinates import WIDTH
 from ..model.expansion.blueprint import Placement, blueprint
+from ..model.geometry.points import AXES
 from ..system import System
-from .bodies import AXES
 from .output import Level, Output, among, calls, provides
 from .recording import bodies_of, members_of
 

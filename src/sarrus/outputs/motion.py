@@ -79,7 +79,8 @@ class MotionOutputs(Outputs):
         return self.constant(accumulator()(self.system, self.result, [rate])[0])
 
     def _summed(self, energy: Energy) -> Any:
-        (t, q, v, *_), b, found = self.states, self._b.copy(), np.zeros(len(self.states.t))
+        t, q, v = self.states.t, self.states.q, self.states.v
+        b, found = self._b.copy(), np.zeros(len(t))
         for n in range(len(t)):
             for place, values in self._memory.items():
                 b[place] = values[n]

@@ -23,7 +23,7 @@ from ..model.written import written_numbers
 from ..system import System
 from ..system.cached import once
 from .reductions import REDUCTIONS, is_reduction
-from .units import unit_of_parameter, unit_of_tree
+from .units import refuse_other_units, unit_of_parameter, unit_of_tree
 
 if TYPE_CHECKING:
     from ..algebra import Array
@@ -185,10 +185,17 @@ def _of_formula(system: System, text: str) -> Output:
         return find_output(system, tree.name)
     names = tree.names()
     parts = {name: find_output(system, name) for name in names}
+    units = {name: one.unit for name, one in parts.items()}
+    try:
+        refuse_other_units(tree, units)
+    except ModelError as wrong:
+        message = wrong.message.removesuffix("Convert one of them.")
+        remedy = "Multiply one of them by a number, which may have any unit."
+        raise UnknownOutput(f"{system.name}: the output {text!r} {message}{remedy}") from None
     measured = parts and all(one.element or name in parameters_of(system) for name, one in parts.items())
     return Output(
         text.strip(),
-        unit_of_tree(tree, {name: one.unit for name, one in parts.items()}),
+        unit_of_tree(tree, units),
         lambda o: tree.value({name: o(name) for name in names}),
         max((one.level for one in parts.values()), default=Level.POSITION),
         element=partial(_element, text) if measured else None,
@@ -225,8 +232,11 @@ def find_output(system: System, name: str, most: Level = Level.HISTORY, where: s
     UnknownOutput
         If there is none, with the nearest name; or if it depends on more.
     """
-    if not isinstance(name, str):
-        raise TypeError(f"output: it must be a name, got {name!r:.60}. Give one such as 'slider.x'.")
+    given: object = name
+    if not isinstance(given, str):
+        several = "the names one by one, as in plot('slider.x', 'rod.x'), or with a star, plot(*names)"
+        remedy = several if isinstance(given, list | tuple) else "one such as 'slider.x'"
+        raise TypeError(f"output: it must be a name, got {given!r:.60}. Give {remedy}.")
     full = _spelt(name)
     part, found = _part_of(system, full)
     alone = [one for one in found.values() if one.place is None and one.element and one.name.count(".") == 1]

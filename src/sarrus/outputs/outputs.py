@@ -130,25 +130,18 @@ class Outputs(EnergyRecording):
 
     def turn(self, body: str, axis: str) -> Any:
         """The angle of a body about a global axis, see `model.function.Turn`; revolutions count. [rad]"""
-        return self.angle((body, ()), (GROUND, ()), axis + "".join(reversed(NEXT[axis])), 0)
+        found = self.angle((body, ()), (GROUND, ()), axis + "".join(reversed(NEXT[axis])), 0)
+        return self._with_revolutions(found, self._angles.near(f"{body}.rotation_{axis}", self.states.t))
 
     def angle(self, i: End, j: End, sequence: str, n: int) -> Any:
         """Angle n of the rotations about three successive axes of body i that lead from the axes of body j to its own.
 
-        The first and the last are known to a multiple of 2π, and revolutions count. They jump where the second one
-        is ±π/2, or 0 or π if the first axis is also the last.
+        The first and the last are between -π and π: revolutions do not count, as those of `turn` and `joint` do. They
+        jump where the second one is ±π/2, or 0 or π if the first axis is also the last. [rad]
         """
-        found = np.arctan2(
+        return np.arctan2(
             *_sides(A(self.vector("q", j[0])[3:]).T @ A(self.vector("q", i[0])[3:]), sequence, n)
         )
-        if n == 1:
-            return found
-        nodes = [self._rotation(q, j[0]).T @ self._rotation(q, i[0]) for q in self._angles.nodes.q]
-        known = np.unwrap(np.arctan2(*_sides(np.moveaxis(np.array(nodes), 0, -1), sequence, n)))
-        return self._with_revolutions(found, np.interp(self.states.t, self._angles.nodes.t, known))
-
-    def _rotation(self, q: Array, body: str) -> Array:
-        return np.eye(3) if body == GROUND else A(q[self.system.coordinates_of(body)][3:])
 
     def _with_revolutions(self, angle: Any, near: Array) -> Any:
         """An angle with the revolutions that bring it near to known values."""

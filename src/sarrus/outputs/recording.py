@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import tau
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import Any, NamedTuple, Protocol, TypeVar, cast
 
 import numpy as np
 
@@ -19,8 +19,8 @@ from ..model import SarrusError
 from ..model.coordinates import WIDTH
 from ..model.geometry.points import GROUND
 from ..model.tape import Operation, Tape, Tracer, value_of
-from ..system import System
-from ..system.curves.curve_derivatives import MANY, CurveDerivatives
+from ..system import JointCoordinates, System
+from ..system.curves.curve_derivatives import MANY, CurveDerivatives, tables_of
 from ..system.structure.population import GROUND as STILL
 from ..system.structure.population import Population
 from .output import UnknownOutput
@@ -30,8 +30,23 @@ Key = tuple[str, Any]  # kind, and place; of modes, the mode and what it has
 Variable = Callable[[str, float], Tracer]
 
 
-class States(NamedTuple):
+class Motion(Protocol):
     """States at some times (nt,), (nt, nq); `lam` gives the multipliers as they are reported (nt, m)."""
+
+    @property
+    def t(self) -> Array: ...
+    @property
+    def q(self) -> Array: ...
+    @property
+    def v(self) -> Array: ...
+    @property
+    def a(self) -> Array: ...
+    @property
+    def lam(self) -> Callable[[], Array]: ...
+
+
+class States(NamedTuple):
+    """States that are known, see `Motion`."""
 
     t: Array
     q: Array
@@ -41,7 +56,7 @@ class States(NamedTuple):
 
 
 class Angles:
-    """The joints' coordinates with all their revolutions.
+    """The joints' coordinates, and the rotations of bodies about global axes, with all their revolutions.
 
     Parameters
     ----------
@@ -54,24 +69,34 @@ class Angles:
     def __init__(
         self,
         system: System,
-        nodes: States,
+        nodes: Motion,
         first: Callable[[], Array] | None = None,
         revolutions: Array | None = None,
     ) -> None:
-        self._of, self.nodes, self._first = system.joint_coordinates, nodes, first
+        self._system, self._nodes, self._first = system, nodes, first
         self._revolutions = revolutions
 
     @cached_property
     def values(self) -> Array:
-        """At the nodes (nt, number of coordinates)."""
-        nodes = self.nodes
-        values, _ = self._of.along(nodes.t, nodes.q, nodes.v, self._revolutions)
-        whole = 0.0 if self._first is None else np.round((self._first() - values[0]) / tau)
+        """At the nodes (nt, nc), see `System.counted_coordinates`."""
+        return self._along(self._system.counted_coordinates)
+
+    @cached_property
+    def _of_joints(self) -> Array:
+        return self._along(self._system.joint_coordinates)
+
+    def _along(self, of: JointCoordinates) -> Array:
+        """Coordinates at the nodes (nt, nc)."""
+        nodes = self._nodes
+        values, _ = of.along(nodes.t, nodes.q, nodes.v, self._revolutions)
+        whole = 0.0 if self._first is None else np.round((self._first()[: of.m] - values[0]) / tau)
         return np.asarray(values + tau * whole)
 
     def near(self, name: str, t: Array) -> Array:
         """A coordinate at times between the nodes, to less than half a turn."""
-        return np.interp(t, self.nodes.t, self.values[:, self._of.index(name)])
+        n = self._system.counted_coordinates.index(name)
+        values = self._of_joints if n < self._system.joint_coordinates.m else self.values
+        return np.interp(t, self._nodes.t, values[:, n])
 
 
 class Recording:
@@ -100,7 +125,7 @@ class Recording:
     def __init__(
         self,
         system: System,
-        states: States,
+        states: Motion,
         b: Array,
         parameters: Callable[[str, Variable], Any],
         angles: Angles | None = None,
@@ -158,11 +183,11 @@ class Recording:
         body, n = place
         return self.input(kind, int(p.bodies[k, body]) + n)
 
-    def _laws(self, p: Population, k: int) -> dict[str, tuple[int, CurveOnTape]]:
-        """The curves of an element by field, with the places of their numbers."""
+    def _laws(self, p: Population, k: int) -> dict[str, tuple[int, CurveOnTape | SurfaceOnTape]]:
+        """The curves and surfaces of an element by field, with the places of their numbers."""
         places = np.cumsum([0, *p.kind.widths()]).tolist()
         fields = zip(places, p.kind.fields.items(), strict=False)
-        return {name: (at, CurveOnTape(self, p, k, at)) for at, (name, kind) in fields if kind == "Curve"}
+        return {name: (at, ON_TAPE[kind](self, p, k, at)) for at, (name, kind) in fields if kind in ON_TAPE}
 
     def _number(self, kind: str, n: int) -> Tracer:
         """Return one parameter of an element; state variables are constants."""
@@ -266,6 +291,36 @@ class CurveOnTape:
         )
         places = (self._of.input("b", n).at for n in numbers)
         return x.tape.add(law, (x.at, *places), value)
+
+
+class SurfaceOnTape:
+    """A surface of an element as a function of two traced numbers."""
+
+    def __init__(self, of: Recording, p: Population, k: int, place: int) -> None:
+        index = next(m for m, n in tables_of(p.kind, "Surface") if n == place)
+        self._of, self._surface = of, p.values[k][index]
+
+    def __call__(self, x: Any, y: Any) -> Tracer:
+        return self.derivative(x, y, 0, 0)
+
+    def derivative(self, x: Any, y: Any, i: int, j: int) -> Tracer:
+        """∂ⁱ⁺ʲz/∂xⁱ∂yʲ."""
+        traced = [one if isinstance(one, Tracer) else self._of.constant(one) for one in (x, y)]
+        places = [np.atleast_1d(one.value) for one in traced]
+
+        def of(m: int, n: int) -> Array:
+            return np.asarray(self._surface.derivative(*places, i + m, j + n))
+
+        value = of(0, 0)
+        law = Operation(
+            lambda *_: value,
+            lambda *_: (of(1, 0), of(0, 1)),
+            lambda *_: ((of(2, 0), of(1, 1)), (of(1, 1), of(0, 2))),
+        )
+        return traced[0].tape.add(law, tuple(one.at for one in traced), value)
+
+
+ON_TAPE: dict[str, Any] = {"Curve": CurveOnTape, "Surface": SurfaceOnTape}
 
 
 def _or_zero(rows: list[list[Any]], count: int) -> list[list[Any]]:

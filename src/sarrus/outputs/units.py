@@ -9,7 +9,7 @@ import re
 from collections.abc import Sequence
 
 from ..model import Frame, Model, ModelError, Point
-from ..model.expression import Expression
+from ..model.expression import Expression, parse
 from ..model.expression.units import ASCII, RAISED, in_ascii, unit_of
 from ..model.measure import In, measures_of
 from ..system import System
@@ -31,6 +31,21 @@ def product(*factors: tuple[str, float]) -> str:
 def quotient(unit: str, *below: str) -> str:
     """The unit of a derivative."""
     return product((unit, 1), *((one, -1) for one in below))
+
+
+def size_in_tables(unit: str, table_unit: str) -> float:
+    """The size of the unit in which a table shows a number, in SI units; 1 if it is the number's own or not given."""
+    return 1.0 if table_unit in ("", unit) else float(parse(f"1 {table_unit}").value())
+
+
+def refuse_other_units(tree: Expression, units: dict[str, str]) -> None:
+    """Refuse a formula that adds or compares names in different units; plain numbers may have any unit.
+
+    Raises
+    ------
+    ModelError
+    """
+    unit_of(tree, {name: in_base(unit) if unit else None for name, unit in units.items()}, loose=True)
 
 
 def unit_of_tree(tree: Expression, units: dict[str, str]) -> str:
@@ -68,7 +83,7 @@ def units_of_parameters(model: Model, names: Sequence[str]) -> tuple[str, ...]:
         part, *path = name.split(".")
         if part == "gravity":
             return "m/s²"
-        if path[:1] == ["orientation"]:
+        if path and path[0] in ("orientation", "initial_orientation"):
             return "rad" if path[1:2] and path[1].startswith("angle") else "1"
         if part in model.formulas.points:
             return "m"

@@ -15,10 +15,12 @@ from ..model.checks.arguments import refuse_place
 from ..model.deprecated import with_former_names
 from ..model.errors import listed
 from ..outputs.output import labelled
-from ..outputs.units import quotient
+from ..outputs.units import quotient, size_in_tables
 from .error_estimate import ErrorEstimate
 from .motion.trajectory import place_of
 from .result import Result
+
+MOVED = 1e-3  # [m] by which a hardpoint is moved for its influence
 
 
 def _places(name: str, names: Sequence[str], what: str) -> int | list[int]:
@@ -49,6 +51,7 @@ class Gradient(Result):
     matrix : (r, p) derivatives; NaN if they do not exist
     errors : of the values of the responses, if requested
     response_units, units : of the responses and of the parameters; empty if not known
+    table_units : units in which tables show parameters and derivatives, such as mm; empty for `units`
     """
 
     responses: tuple[str, ...]
@@ -59,9 +62,15 @@ class Gradient(Result):
     errors: tuple[ErrorEstimate, ...] = ()
     response_units: tuple[str, ...] = field(default=(), repr=False)
     units: tuple[str, ...] = field(default=(), repr=False)
+    table_units: tuple[str, ...] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
-        for name, count in (("response_units", len(self.responses)), ("units", len(self.names))):
+        counts = {
+            "response_units": len(self.responses),
+            "units": len(self.names),
+            "table_units": len(self.names),
+        }
+        for name, count in counts.items():
             if len(getattr(self, name)) != count:
                 object.__setattr__(self, name, ("",) * count)
 
@@ -136,10 +145,28 @@ class Gradient(Result):
             self.response_units[response], self.units[found if isinstance(found, int) else found[0]]
         )
 
+    @property
+    def increments(self) -> Array:
+        """The increase of each parameter by which influences are judged (p,): 1 mm of hardpoints, 1 % of others."""
+        return np.where([bool(unit) for unit in self.table_units], MOVED, 0.01 * np.asarray(self.at))
+
+    @property
+    def increment(self) -> str:
+        """The increments in words, "1 %", "1 mm", or "1 % or 1 mm"."""
+        return " or ".join(
+            text
+            for text, some in (("1 %", not all(self.table_units)), ("1 mm", any(self.table_units)))
+            if some
+        )
+
     def influences(self, response: int = 0) -> Array:
-        """Return the change of a response if each parameter increases by 1 % (p,); 0 where the parameter is 0."""
+        """Return the change of a response if each parameter increases by its increment (p,).
+
+        Coordinates of hardpoints increase by 1 mm, because 1 % of a coordinate depends on the origin; other parameters
+        by 1 %, so that the influence of one that is 0 is 0.
+        """
         refuse_place("response", response, len(self.responses))
-        return np.asarray(0.01 * self.matrix[response] * self.at)
+        return np.asarray(self.matrix[response] * self.increments)
 
     def ranked(self, response: int = 0) -> list[str]:
         """Return the names of the parameters by decreasing influence, then those that are 0, by decreasing derivative.
@@ -154,7 +181,8 @@ class Gradient(Result):
     def largest(self, response: int = 0, most: int = 15) -> tuple[list[str], list[float]]:
         """Return names and influences of the most influential parameters, the largest first, without zeros."""
         influences = dict(zip(self.names, self.influences(response).tolist(), strict=True))
-        names = [name for name in self.ranked(response) if self.at[self.names.index(name)]][:most]
+        moved = dict(zip(self.names, self.increments, strict=True))
+        names = [name for name in self.ranked(response) if moved[name]][:most]
         return names, [influences[name] for name in names]
 
     def table(self, response: int = 0, most: int = 20) -> str:
@@ -243,6 +271,7 @@ class Hessian(Result):
     matrix : (p, p), symmetric to round-off
     error : of the value of the response, if requested
     response_unit, units : of the response and of the parameters; empty if not known
+    table_units : units in which tables show parameters and entries, such as mm; empty for `units`
     """
 
     response: str
@@ -251,6 +280,7 @@ class Hessian(Result):
     error: ErrorEstimate | None = None
     response_unit: str = field(default="", repr=False)
     units: tuple[str, ...] = field(default=(), repr=False)
+    table_units: tuple[str, ...] = field(default=(), repr=False)
 
     def __getitem__(self, pair: tuple[str, str]) -> float | Array:
         """Return one entry, ``H["spring.k", "rod.mass"]``, or three of a vector, ``H["pin.point", "rod.mass"]``.
@@ -275,12 +305,20 @@ class Hessian(Result):
         found = [self.units[place if isinstance(place, int) else place[0]] for place in places if self.units]
         return quotient(self.response_unit, *found) if found else ""
 
+    def in_table_units(self) -> tuple[list[str], Array]:
+        """The names of the parameters with the units of tables, and the entries in these units (p, p)."""
+        none = ("",) * len(self.names)
+        pairs = [*zip(self.units or none, self.table_units or none, strict=True)]
+        sizes = np.array([size_in_tables(*pair) for pair in pairs])
+        names = [labelled(name, own or unit) for name, (unit, own) in zip(self.names, pairs, strict=True)]
+        return names, self.matrix * np.outer(sizes, sizes)
+
     def summary(self) -> str:
         """Return the result as text; the unit of an entry is that of the response over those of row and column."""
-        names = [*map(labelled, self.names, self.units or [""] * len(self.names))]
+        names, matrix = self.in_table_units()
         width = max(12, *map(len, names)) + 2
         head = " " * width + "".join(f"{name:>{width}}" for name in names)
-        rows = zip(names, self.matrix, strict=True)
+        rows = zip(names, matrix, strict=True)
         lines = [f"{name:<{width}}" + "".join(f"{x:>{width}.6g}" for x in row) for name, row in rows]
         bar = [str(self.error)] if self.error else []
         return "\n".join(

@@ -91,6 +91,7 @@ class Optimum(Result):
     run : the simulation of the best design
     measurements : those of a fit, with the values of the best design
     unit, units : of the objective and of the variables; empty if not known
+    table_units : units in which tables show the variables, such as mm; empty for `units`
     """
 
     names: tuple[str, ...]
@@ -120,6 +121,7 @@ class Optimum(Result):
     measurements: tuple[Fitted, ...] = field(default=(), repr=False)
     unit: str = field(default="", repr=False)
     units: tuple[str, ...] = field(default=(), repr=False)
+    table_units: tuple[str, ...] = field(default=(), repr=False)
 
     def __getitem__(self, name: str) -> float:
         """The value of a design variable.

@@ -7,18 +7,19 @@ import os
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from ..model import SarrusError
 from ..model.announcement import Call, collecting
 from ..model.checks.arguments import checked
+from ..model.read_only import read_only
 from .motion.events import event_records
 from .motion.solution import State
 from .motion.trajectory import Trajectory
 from .saving.checked_file import SavedDataError
-from .saving.saved import COUNTS, arrays_of, recipe_of
+from .saving.saved import COUNTS, STORED_STEPS, arrays_of, recipe_of
 
 if TYPE_CHECKING:
     from ..system import System
@@ -60,7 +61,7 @@ def load_run(path: str | os.PathLike[str], system: Any = None) -> Trajectory:
     names = ("q", "v", "a", "lam", "history", "memory", "revolutions")
     states: dict[str, Any] = {name: arrays[name] for name in names}
     counts: dict[str, Any] = {name: record[name] for name in COUNTS}
-    return Trajectory(
+    run = Trajectory(
         name=about["name"],
         bodies=tuple(about["bodies"]),
         coordinate_names=tuple(about["coordinates"]),
@@ -80,10 +81,11 @@ def load_run(path: str | os.PathLike[str], system: Any = None) -> Trajectory:
         joints=None if system is None else system.joint_coordinates,
         system=system,
         call=Call(load_run, (), {"path": folder}),
-        steps_folder=str(folder) if "recipe" in about and "kept_t" in state else "",
+        steps_folder=str(folder) if "recipe" in about and STORED_STEPS in state else "",
         **states,
         **counts,
     )
+    return cast(Trajectory, read_only(run))
 
 
 def _place(place: Any, unit: Any, kind: str = "v") -> tuple[int, str, str]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..console import printable
+from ..model.read_only import read_only
 from ..rendering import Display
 
 
@@ -70,9 +71,10 @@ class NoStates(np.ndarray[Any, np.dtype[np.float64]]):
 
 
 def values_of(run: Any, array: Array) -> Array:
-    """Values over the times of a run; of a failed one without states, an array that names the failure if indexed."""
+    """Values over the times of a run, to be read only; those of a failed one without states name the failure."""
     if len(run.t) or run.success:
-        return array
+        found: Array = read_only(array)
+        return found
     why = run.message.removesuffix(".")
     return NoStates.of(array, f"{run.name}: there are no states, because the analysis failed. {why}.")
 

@@ -99,7 +99,6 @@ def study(
     total_time_limit: float | None = None,
     retry_failed: bool = False,
     progress: bool | Progress | None = None,
-    strict: bool = False,
 ) -> StudyTable:
     """Run one analysis for many values of the parameters of a model.
 
@@ -123,7 +122,6 @@ def study(
         "time limit"; after Ctrl-C it is "stopped"
     retry_failed : repeat failed cases of the folder
     progress : True for a bar on standard error, or a function of the number of cases that are done
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -159,7 +157,7 @@ def ask(
     _refuse_guesses(run, parameters)
     formulas = responses_of(responses)
     if isinstance(run, Simulation) and any(response.of_errors for response in formulas):
-        run = replace(run, store_steps=True)
+        run = replace(run, store="steps")
     task = Task(source, run, formulas, time_limit)
     if not task.responses:
         raise SarrusError("a study needs a response. Give one such as max(slider.x).")

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..analyses import simulate
+from ..analyses import Limits, simulate
 from ..analyses.progress import Progress
 from ..analyses.sensitivity import sensitivity
 from ..analyses.sensitivity.combined import Composite
@@ -85,7 +85,6 @@ def uncertainty(
     analysis: Any,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
-    strict: bool = False,
 ) -> Uncertainty:
     """Propagate the uncertainty of parameters to responses, to first order, with exact derivatives.
 
@@ -95,7 +94,6 @@ def uncertainty(
     analysis : `Simulation`, `Kinematics`, `Statics`, `Vibration`, `Linearization`, `InverseDynamics`, or a
         function of the system that returns the result of one of these analyses or of inverse dynamics
     progress, time_limit : of a simulation, as for `simulate`
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -121,7 +119,9 @@ def uncertainty_of(
     system, start = request.task.source.made(dict(zip(names, moments[:, 0], strict=True)))
     outer = Composite([differentiable(response) for response in request.task.responses])
     if isinstance(run, Simulation):
-        motion = _simulated(run, system, start, names, {"progress": progress, "time_limit": time_limit})
+        motion = _simulated(
+            run, system, start, names, {"progress": progress, "limits": Limits(time=time_limit)}
+        )
     else:
         motion = run.result(system, start, tuple(outer.times()), np.inf)
     if getattr(motion, "status", "") == "stopped":
@@ -145,7 +145,7 @@ def _simulated(
     if isinstance(run.start, DesignStart):
         run.start.refuse_moved(system, Variables(system, names))
     begin = run.assembled(system, start)
-    return simulate(system, begin, until=run.until, store_steps=True, **run.settings, **watched)
+    return simulate(system, begin, until=run.until, store="steps", method=run.method, **watched)
 
 
 def _moments(parameter: Parameter) -> tuple[float, float]:

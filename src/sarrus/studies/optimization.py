@@ -62,7 +62,7 @@ class DesignTask:
         """The optimum, or the best design by a time limit."""
         run, analysis = self.run, dict[str, Any](analysis=self.run)
         if isinstance(run, Simulation):
-            analysis = {**run.settings, "until": run.until, "start": run.start}
+            analysis = {"method": run.method, "until": run.until, "start": run.start}
         limits = {"bounds": self.bounds, "progress": progress, "total_time_limit": total_time_limit}
         options: dict[str, Any] = {**analysis, **self.options, **limits}
         if self.objective is None:

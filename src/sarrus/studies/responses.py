@@ -145,7 +145,13 @@ def _error_of(response: Response, run: Any) -> float:
 
 
 def responses_of(responses: Any) -> tuple[Response, ...]:
-    """Responses of what a user writes: a mapping of names to formulas or functions, a list of formulas, or one."""
+    """Responses of what a user writes: a mapping of names to formulas or functions, a list of formulas, or one.
+
+    Raises
+    ------
+    SarrusError
+        For anything else, and if two have the same name.
+    """
     if isinstance(responses, Mapping):
         return tuple(Response(str(name), _formula(of, name)) for name, of in responses.items())
     if isinstance(responses, str) or callable(responses):
@@ -154,7 +160,10 @@ def responses_of(responses: Any) -> tuple[Response, ...]:
         raise SarrusError(
             f"responses must be formulas such as max(slider.x), but are {responses!r:.60}. Give one or several."
         )
-    return tuple(Response(_title(of), _formula(of, _title(of))) for of in responses)
+    titles = [_title(of) for of in responses]
+    if len(set(titles)) < len(titles):
+        raise SarrusError("two responses have the same name. Give each its own, as in {'final': 'slider.x'}.")
+    return tuple(Response(title, _formula(of, title)) for title, of in zip(titles, responses, strict=True))
 
 
 def _formula(of: Any, name: Any) -> str | Callable[[Any], float]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
-from functools import cached_property
+from dataclasses import KW_ONLY, asdict, dataclass, field, fields, is_dataclass, replace
+from functools import cache, cached_property
 from inspect import formatannotation, signature
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, TypeAlias
@@ -15,19 +15,26 @@ from typing import Any, ClassVar, NamedTuple, TypeAlias
 import numpy as np
 
 from ..analyses import assemble, equilibrium, inverse_dynamics, kinematics, linearize, modes, simulate
+from ..analyses.dynamics.former_options import with_former_options
+from ..analyses.dynamics.integrators.described import DescribedMethod
+from ..analyses.dynamics.integrators.differentiable import Method, method_with_options
 from ..analyses.dynamics.methods import Description
-from ..analyses.dynamics.recipe import Method, refuse_end
+from ..analyses.dynamics.recipe import refuse_end
+from ..analyses.dynamics.run_options import Stored, refuse_store
+from ..analyses.dynamics.stepping.step_control import CONTROL, StepControl, with_control
 from ..analyses.integration_methods import METHODS, method_named
 from ..analyses.position.initial_state import Start as InitialState
 from ..analyses.sensitivity.parameters.design_start import DesignStart
 from ..analyses.sensitivity.sampling.segments import NoSample, refuse_outside
-from ..defaults import ATOL
 from ..model import SarrusError
 from ..model.announcement import collecting
 from ..model.checks.arguments import CHECKS, TEXTS, Number, WholeNumber
+from ..model.checks.calls import CallCheck
 from ..model.show import show, suggest
 from ..outputs import UnknownOutput, find_output
-from ..outputs.motion import motion_outputs, states_of
+from ..outputs.motion import motion_outputs
+from ..outputs.output import Level
+from ..outputs.outputs import Outputs
 from ..results import Assembly, Trajectory, load_run
 from ..results.result import Result
 from ..system import System
@@ -58,7 +65,7 @@ FIELD_CHECKS: dict[str, Callable[[str, Any], None]] = {
 
 
 @dataclass(frozen=True)
-class Run(ABC):
+class Run(metaclass=CallCheck):
     """Interface of an analysis of a system."""
 
     def __post_init__(self) -> None:
@@ -93,8 +100,7 @@ class Run(ABC):
             raise KeyboardInterrupt
         if not result.success:
             raise SarrusError(result.message)
-        states = states_of(result)
-        return CaseResult(result, states.t, lookup_of(system, result))
+        return CaseResult(result, times_of(result), lookup_of(system, result))
 
     def check(self, system: System, responses: Iterable[Response], parameters: Container[str]) -> None:
         """Refuse a response that no case can have, before any case is run.
@@ -147,6 +153,7 @@ class Run(ABC):
         return {"type": self.kind, **given}
 
 
+@with_former_options
 @dataclass(frozen=True)
 class Simulation(Run):
     """Analysis of a study: a simulation from the assembled initial state, or from another `start`.
@@ -159,29 +166,26 @@ class Simulation(Run):
         (``{"equilibrium": True}``) is found again, a function of the system is called; the state of a run
         (``run.final``, ``{"run": "drop.sarrus"}``) is fixed, and cases whose constraints it contradicts fail
     steps : number of intervals of the histories for responses; times of ``at(x, t)`` are added
-    method, rtol, atol, max_step : as in `simulate`
-    store_steps : as in `simulate`; true if a response is an ``error(...)``
+    method, store : as in `simulate`; "steps" if a response is an ``error(...)``
     """
 
     kind = "simulate"
     until: float
+    _: KW_ONLY
     steps: int = 1000
     method: Method | None = None
-    rtol: float | None = None
-    atol: float | None = ATOL
-    max_step: float = np.inf
     start: InitialState | DesignStart | None = None
-    store_steps: bool | None = None
+    store: Stored | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.store is not None:
+            refuse_store(self.store)
 
     @property
     def begin(self) -> float:
         """The time of its start [s]."""
         return self.start.t if isinstance(self.start, DesignStart) else 0.0
-
-    @property
-    def settings(self) -> dict[str, Any]:
-        """The options of `simulate`."""
-        return {name: getattr(self, name) for name in ("method", "rtol", "atol", "max_step")}
 
     def started(self, system: System) -> Simulation:
         """Return the simulation with its start for the nominal system."""
@@ -202,7 +206,7 @@ class Simulation(Run):
         """The trajectory."""
         grid = np.unique(np.concatenate([np.linspace(self.begin, self.until, self.steps + 1), times]))
         begin = self.assembled(system, start)
-        options: dict[str, Any] = {"t_eval": grid, "store_steps": bool(self.store_steps), **self.settings}
+        options: dict[str, Any] = {"t_eval": grid, "store": self.store or "samples", "method": self.method}
         return simulate(system, begin, until=self.until, progress=_watch(until), **options)
 
     def start_warnings(self, system: System) -> tuple[str, ...]:
@@ -276,7 +280,7 @@ class Vibration(Run):
     def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
         """Return the modes, or the failed equilibrium."""
         rest = equilibrium(system, start.q, t=self.time, stable=self.stable)
-        return modes(system, rest.q, t=self.time) if rest.success else rest
+        return modes(system, rest, t=self.time) if rest.success else rest
 
 
 @dataclass(frozen=True)
@@ -354,8 +358,7 @@ class OwnRun(Run):
             raise SarrusError(str(getattr(result, "message", "the function reports no success")))
         if not hasattr(result, "q"):
             return CaseResult(result, np.zeros(1), lambda name: _entry({}, name))
-        states = states_of(result)
-        return CaseResult(result, states.t, lookup_of(system, result))
+        return CaseResult(result, times_of(result), lookup_of(system, result))
 
     def check(self, system: System, responses: Iterable[Response], parameters: Container[str]) -> None:
         """What the function returns is not known before it is called."""
@@ -373,7 +376,12 @@ EVERY = (Simulation, Kinematics, Statics, Vibration, Linearization, InverseDynam
 KINDS: dict[str, type[Run]] = {one.kind: one for one in EVERY}
 
 
-ANNOTATIONS = {"str": (str, "a text"), "bool": (bool, "true or false")}  # of options that are no numbers
+ANNOTATIONS = {  # of options that are no numbers
+    "str": (str, "a text"),
+    "Stored | None": (str, "a text"),
+    "bool": (bool, "true or false"),
+    "bool | None": (bool, "true or false"),
+}
 
 
 def run_of(analysis: Any, folder: Path | None = None) -> Run:
@@ -402,12 +410,27 @@ def run_of(analysis: Any, folder: Path | None = None) -> Run:
         options["motion"] = str(folder / str(options["motion"]))
     if kind not in KINDS:
         raise SarrusError(f"there is no analysis {kind!r}. {suggest(str(kind), KINDS)}")
-    run: Run = _built(KINDS[kind], f"the analysis {kind}", {str(name): x for name, x in options.items()})
+    named = {str(name): x for name, x in options.items()}
+    control = {name: named.pop(name) for name in CONTROL if name in named} if kind == Simulation.kind else {}
+    if control:
+        method = method_with_options(_method(named.get("method", "radau")))
+        named["method"] = with_control(method, **_read(StepControl, "the analysis simulate", control))
+    run: Run = _built(KINDS[kind], f"the analysis {kind}", named)
     return run
 
 
 def _built(kind: Any, subject: str, options: dict[str, Any]) -> Any:
     """A dataclass, or what a function returns, with its numbers converted."""
+    known, options = signature(kind).parameters, _read(kind, subject, options)
+    if "until" in known and "until" not in options:
+        raise SarrusError(f"{subject} needs an end time. Give until in s.")
+    if "motion" in known and "motion" not in options:
+        raise SarrusError(f"{subject} needs a motion. Give the folder of a saved run.")
+    return kind(**options)
+
+
+def _read(kind: Any, subject: str, options: dict[str, Any]) -> dict[str, Any]:
+    """The options of a dataclass or function, with their numbers converted."""
     known = signature(kind).parameters
     for name, value in options.items():
         if name not in known:
@@ -424,14 +447,12 @@ def _built(kind: Any, subject: str, options: dict[str, Any]) -> Any:
                 raise SarrusError(f"{subject}: {name} must be {article}, but is {show(value)}. Change it.")
         else:
             options[name] = number(value)
-    if "until" in known and "until" not in options:
-        raise SarrusError(f"{subject} needs an end time. Give until in s.")
-    if "motion" in known and "motion" not in options:
-        raise SarrusError(f"{subject} needs a motion. Give the folder of a saved run.")
-    return kind(**options)
+    return options
 
 
 def _method(method: Any) -> Any:
+    if isinstance(method, StepControl):
+        return method
     options = dict(method) if isinstance(method, Mapping) else {"type": method}
     kind = str(options.pop("type", "radau")).lower()
     if kind not in METHODS:
@@ -444,9 +465,24 @@ def _plain(value: Any) -> Any:
         return value.described()
     if isinstance(value, Description):
         return value.record
+    if isinstance(value, DescribedMethod):
+        return {**value.description.record, **_control(value)}
     if is_dataclass(value) and not isinstance(value, type):
-        return {"type": type(value).__name__.lower(), **asdict(value)}
+        return {"type": type(value).__name__.lower(), **_own(value), **_control(value)}
     return value
+
+
+def _own(value: Any) -> dict[str, Any]:
+    """The fields of a dataclass, without those of the control of steps."""
+    return {name: x for name, x in asdict(value).items() if name not in CONTROL}
+
+
+def _control(value: Any) -> dict[str, Any]:
+    """The options of the control of steps that are not the default ones."""
+    found = {
+        one.name: (getattr(value, one.name), one.default) for one in fields(value) if one.name in CONTROL
+    }
+    return {name: x for name, (x, default) in found.items() if x != default}
 
 
 def _watch(until: float) -> Callable[[float], None]:
@@ -461,13 +497,25 @@ def _watch(until: float) -> Callable[[float], None]:
     return watch
 
 
+def times_of(result: Any) -> Array:
+    """The times of a motion, or the one of an equilibrium."""
+    return np.atleast_1d(np.asarray(getattr(result, "t", 0.0), dtype=float))
+
+
 def lookup_of(system: System, result: Any) -> Callable[[str], Any]:
-    """Histories by name: outputs of a motion, what modes have, and parameters of the model."""
-    outputs = motion_outputs(system, result)
+    """Histories by name: outputs of a motion, what modes have, and parameters of the model.
+
+    Accelerations and multipliers are computed only for outputs that depend on them.
+    """
+
+    @cache
+    def outputs(level: Level) -> Outputs:
+        return motion_outputs(system, result, level=level)
 
     def lookup(name: str) -> Any:
-        output = outputs(name)
-        return np.asarray(getattr(output, "value", output), dtype=float)
+        output = find_output(system, name)
+        found = output.record(outputs(output.level))
+        return np.asarray(getattr(found, "value", found), dtype=float)
 
     return lookup
 

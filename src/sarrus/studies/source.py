@@ -58,14 +58,19 @@ class Source:
             files = {}  # it was changed in Python after it was read
         return cls(model, files)
 
+    @property
+    def _follows(self) -> bool:
+        """Whether the model follows its parameters: those of its files as they are, or those of Python code."""
+        return bool(self.files) or self.model.origin is None
+
     def check(self, names: Iterable[str]) -> None:
         """Raise a SarrusError for a name that is no number of the model."""
         system = System(self.model)
         guess = [f"{start}{name}" for start in GUESS for name in system.coordinate_names]
-        parameters = self.model.parameters if self.files else ()
+        parameters = self.model.parameters if self._follows else ()
         known = [*parameters, *written_numbers(self.model), *guess]
         for name in names:
-            if name in self.model.parameters and not self.files:
+            if name in self.model.parameters and not self._follows:
                 message = f"{name!r} is a parameter of a file that {system.name} no longer follows"
                 raise SarrusError(
                     f"{message}. Study the model as it was loaded, or change its numbers directly."
@@ -77,7 +82,9 @@ class Source:
         """The system of a case, and its guess."""
         parameters = {name: value for name, value in values.items() if name in self.model.parameters}
         model = self.model
-        if parameters:
+        if parameters and not self.files:
+            model = model.with_parameters(parameters)
+        elif parameters:
             model = load(_unpacked(tuple(self.files.items())), parameters=parameters)
         numbers = {n: v for n, v in values.items() if n not in parameters and not n.startswith(tuple(GUESS))}
         system = System(with_numbers(model, numbers) if numbers else model)

@@ -16,6 +16,7 @@ from ..model import SarrusError
 from ..model.announcement import announce
 from ..model.checks.arguments import checked, refuse_place
 from ..model.deprecated import with_former_names
+from ..model.read_only import read_only
 from ..results.motion.tables import INSTALL
 from ..results.result import Result
 from ..results.saving.exported_file import write_table
@@ -76,7 +77,8 @@ class StudyTable(Result):
                 f"no column {name!r} in the study {self.name}. Its columns are {', '.join(names)}."
             )
         both = np.column_stack([self.values, self.found])
-        return np.asarray(both[:, names.index(name)])
+        column: Array = read_only(both[:, names.index(name)])
+        return column
 
     def _ipython_key_completions_(self) -> list[str]:
         return [*self.parameters, *self.responses]

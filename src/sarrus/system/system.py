@@ -17,7 +17,7 @@ from ..deferred import corrector, forward
 from ..elements import OPERATORS
 from ..elements.operators import Axis
 from ..model import Input, Model
-from ..model.announcement import announce
+from ..model.announcement import accepts_strict, announce
 from ..model.coordinates import WIDTH, coordinates_of
 from ..model.deprecated import withdrawn
 from ..model.expansion.blueprint import Placement, blueprint
@@ -53,7 +53,6 @@ class System(Display, ConstraintOperators, InertiaOperators, ForceOperators):
     Parameters
     ----------
     model : Model
-    strict : raise the first warning as a `StrictError`
 
     Attributes
     ----------
@@ -72,6 +71,7 @@ class System(Display, ConstraintOperators, InertiaOperators, ForceOperators):
     memory_places : indices in `b` of the elements' state variables between accepted states
     rows : joint or driver name -> its equations' rows in Φ
     joint_coordinates : angles and displacements of all joints, see `JointCoordinates`
+    counted_coordinates : these, and behind them the rotations of bodies about global axes; runs count their revolutions
     structure : data common to systems that differ only in parameter values
 
     Raises
@@ -80,9 +80,10 @@ class System(Display, ConstraintOperators, InertiaOperators, ForceOperators):
         If anything is wrong in the model: part, file and line, remedy.
     """
 
-    def __init__(self, model: Model, *, strict: bool = False) -> None:
+    @accepts_strict
+    def __init__(self, model: Model) -> None:
         plan = blueprint(model)
-        self.warnings = announce(Suspicions(model, plan).messages(), strict=strict)
+        self.warnings = announce(Suspicions(model, plan).messages())
         self.name = plan.name
         self.model = model
         self.bodies = plan.bodies
@@ -98,8 +99,9 @@ class System(Display, ConstraintOperators, InertiaOperators, ForceOperators):
         self.memory_places = memory_places(self.populations)
         self.inputs = input_places(model, plan.placed, self.populations, self.b)
         self.joint_coordinates = JointCoordinates(plan.coordinates, self.nq // WIDTH)
+        self.counted_coordinates = JointCoordinates(plan.coordinates, self.nq // WIDTH, plan.rotations)
         self.b, rounded = corrector()(self)
-        self.warnings += announce(rounded, strict=strict)
+        self.warnings += announce(rounded)
 
     def headline(self) -> str:
         """The name and size of the system."""

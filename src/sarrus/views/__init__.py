@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from .figures.modes import modes_table as modes_table
     from .figures.modes import plot_modes as plot_modes
     from .figures.study import plot_study as plot_study
+    from .figures.suspension import plot_suspension as plot_suspension
+    from .figures.tyre import tyre_figure as tyre_figure
     from .figures.workspace import plot_workspace as plot_workspace
     from .figures.workspace import plot_workspace_field as plot_workspace_field
     from .figures.workspace_report import workspace_report as workspace_report

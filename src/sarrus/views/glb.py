@@ -79,8 +79,8 @@ class _Writer:
         """The root rotates z up into y up; below it the ground, the bodies, and the spans between them."""
         upward = _shortest_rotation(self.sketch.up[None], np.array([0.0, 1.0, 0.0]))[0]
         self._node(self.sketch.name, rotation=upward.tolist(), children=[])
-        roads = (f"road {n + 1}" for n in range(len(self.sketch.bumps)))
-        for number, name in enumerate(("ground", *self.sketch.bodies, *roads)):
+        moving = (frame.name for frame in self.sketch.moving)
+        for number, name in enumerate(("ground", *self.sketch.bodies, *moving)):
             node = self._node(name, children=[])
             self.nodes[0]["children"].append(node)
             for part in self.sketch.parts:

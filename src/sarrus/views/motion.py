@@ -50,7 +50,7 @@ def frames(run: Trajectory, most: int = MOST) -> Frames:
     h = np.maximum(run.t[k + 1] - run.t[k], np.finfo(float).tiny)[:, None]
     s = (t - run.t[k])[:, None] / h
     given, v = np.asarray(run.q), np.asarray(run.v)  # they may be in files
-    q = _same_signs(given)
+    q = same_signs(given)
     return Frames(t, *_cubic(s, h, q, np.where(q == given, 1.0, -1.0) * v, k))
 
 
@@ -63,7 +63,7 @@ def _cubic(s: Array, h: Array, q: Array, v: Array, k: Array) -> tuple[Array, Arr
     return value, rate / h
 
 
-def _same_signs(q: Array) -> Array:
+def same_signs(q: Array) -> Array:
     """The same rotations with p and not -p where that is nearer to the time before."""
     out = q.copy()
     for at in range(3, q.shape[1], 7):

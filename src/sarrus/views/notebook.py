@@ -19,7 +19,7 @@ from ..results.motion.energy_balance import EnergyBalance
 from ..results.result import Result
 from ..studies import StudyTable
 from ..system import System
-from .figures.gradients import influence_rows, plot_convergence, plot_gradient
+from .figures.gradients import influence_rows, plot_convergence, plot_gradient, variable_rows
 from .figures.histories import plot
 from .figures.mechanism import mechanism_figure
 from .figures.modes import mode_rows, plot_modes
@@ -145,9 +145,7 @@ def _(result: EnergyBalance) -> Table:
 
 @table_of.register
 def _(result: Optimum) -> Table:
-    units = result.units or ("",) * len(result.names)
-    values = zip(result.names, result.x0, result.x, units, strict=True)
-    rows = [(name, f"{start:.6g}", f"{x:.6g}", unit) for name, start, x, unit in values]
+    rows = [row[:-1] for row in variable_rows(result)]
     return Table(("variable", "start", "found", "unit"), rows)
 
 
@@ -158,13 +156,14 @@ def _(result: Gradient) -> Table:
         for row in influence_rows(result)
     ]
     unit = result.response_units[0]
-    return Table(("parameter", "value", "derivative", labelled("by 1 % more", unit)), rows)
+    return Table(("parameter", "value", "derivative", labelled(f"by {result.increment} more", unit)), rows)
 
 
 @table_of.register
 def _(result: Hessian) -> Table:
-    rows = [(name, *(f"{x:.6g}" for x in row)) for name, row in zip(result.names, result.matrix, strict=True)]
-    return Table(("", *result.names), rows)
+    names, matrix = result.in_table_units()
+    rows = [(name, *(f"{x:.6g}" for x in row)) for name, row in zip(names, matrix, strict=True)]
+    return Table(("", *names), rows)
 
 
 @table_of.register

@@ -11,6 +11,7 @@ import numpy as np
 from ..activity import activity, for_seconds
 from ..algebra import Array
 from ..model import Model, Point
+from ..model.checks.arguments import CHECKS
 from ..model.coordinates import WIDTH, number_of
 from ..model.expansion.blueprint import blueprint
 from ..model.show import MOST as LISTED
@@ -24,7 +25,7 @@ from .figures.modes import mode_title
 from .film import write_film, write_picture
 from .glb import write_glb
 from .looks import Sketch, sketch
-from .motion import MOST, SAMPLES, Frames, arrows, frames
+from .motion import MOST, SAMPLES, Frames, arrows, frames, same_signs
 
 Trace = str | Point
 
@@ -147,6 +148,8 @@ def animate(
     ValueError
         If the file has an ending that cannot be written, or a run holds no states or does not know its system.
     """
+    for word, given in (("traces", traces), ("outputs", outputs), ("labels", labels)):
+        CHECKS["variables"](word, given)
     ending, curves = _ending(file, (".html", ".glb", ".gif", ".mp4")), tuple(outputs)
     if ending == ".glb" and follow is not None:
         raise ValueError(f"{file}: this format has no camera that follows a body. Write .html, .gif or .mp4.")
@@ -191,9 +194,9 @@ def _scene(run: Trajectory, name: str, traces: Iterable[Trace], selection: Any, 
 
 
 def _drawn_frames(at: Frames, drawn: Sketch) -> Frames:
-    """Return frames with the coordinates of bodies and of roads that move, without first-order states."""
-    count = WIDTH * len(drawn.bodies)
-    return at._replace(q=np.column_stack([at.q[:, :count], drawn.road_coordinates(at.t)]), v=at.v[:, :count])
+    """Return frames with the coordinates of bodies, and of roads and wheels that move, without first-order states."""
+    q = same_signs(drawn.coordinates(at.t, at.q, at.v))
+    return at._replace(q=q, v=at.v[:, : WIDTH * len(drawn.bodies)])
 
 
 def _curves(run: Trajectory, names: Sequence[str], at: Frames) -> list[Curve]:
@@ -205,15 +208,14 @@ def _curves(run: Trajectory, names: Sequence[str], at: Frames) -> list[Curve]:
 def _influences(gradient: Gradient, response: int) -> Influences:
     names, changes = gradient.largest(response, LISTED)
     title = labelled(gradient.responses[response], gradient.response_units[response])
-    return Influences(f"{title}, by 1 % more of", names, changes)
+    return Influences(f"{title}, by {gradient.increment} more of", names, changes)
 
 
 def _place(trace: Trace, run: Trajectory, drawn: Sketch) -> tuple[int, Array]:
     """Number of the body, and the point in its axes."""
     assert run.system is not None
     if isinstance(trace, Point):
-        poses = {body.name: body.pose() for body in run.system.model.bodies}
-        local = trace.resolve(poses, "traces")
+        local = trace.resolve(run.system.model.design_poses(), "traces")
         return run.bodies.index(local.body) + 1, np.array(local.s)
     if point := point_of(run.system, trace):
         return number_of(point[0], run.bodies, run.name) + 1, np.array(point[1])

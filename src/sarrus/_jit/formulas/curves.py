@@ -25,12 +25,12 @@ def _work() -> Any:
     return [0.0] * (4 * STEPS)
 
 
-def _piece(numbers: Any, at: Any, x: Any) -> Any:
-    """Index of the cubic piece in which x lies."""
-    low, high = 0, int(real(numbers[at])) - 1
+def interval(numbers: Any, first: Any, count: Any, x: Any) -> Any:
+    """Index of the interval between `count` knots in which x is, the first or the last one beyond them."""
+    low, high = 0, count - 2
     while low < high:
         middle = (low + high) // 2
-        if real(x) >= real(numbers[at + 2 + middle]):
+        if real(x) >= real(numbers[first + 1 + middle]):
             low = middle + 1
         else:
             high = middle
@@ -43,7 +43,7 @@ def _cubic(numbers: Any, at: Any, x: Any, order: Any) -> Any:
     if real(numbers[at]) > count:
         period = numbers[at + 1 + count] - numbers[at + 1]
         x = x - period * nearest((x - numbers[at + 1]) / period - 0.5)
-    k = _piece(numbers, at, x)
+    k = interval(numbers, at + 1, count + 1, x)
     c = at + 2 + count + 4 * k
     u = x - numbers[at + 1 + k]
     if order == 0:

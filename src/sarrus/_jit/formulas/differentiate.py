@@ -9,6 +9,7 @@ import numpy as np
 
 from .expression import Expression, Graph
 from .replay import needed
+from .surfaces import HIGHEST, ORDERS, surface_name
 
 
 def jacobian(graph: Graph, wanted: Sequence[Any], by: Sequence[Expression | None]) -> np.ndarray[Any, Any]:
@@ -65,15 +66,26 @@ def _atan2(f: Expression, y: Expression, x: Expression) -> tuple[Any, Any]:
     return x / square, -y / square
 
 
-class _Jounce:
-    """Partial derivatives of a curve's fourth derivative: none to its place, and that to x is refused."""
+class _Fourth:
+    """Partial derivatives of the fourth derivative of a table: none to its place, and that to x is refused."""
 
     def __getitem__(self, place: int) -> int:
         if place == 0:
             return 0
         raise TypeError(
-            "the fifth derivative of a curve does not exist. Use the curve, or its slope, in the formula."
+            "the fifth derivative of a table does not exist. Use the table, or its slope, in the formula."
         )
+
+
+def _of_surface(i: int, j: int) -> Any:
+    """The partial derivatives of ∂ⁱ⁺ʲz/∂xⁱ∂yʲ of a surface, by its place, x and y."""
+    if i + j > HIGHEST:
+        return lambda f, at, x, y: _Fourth()
+    return lambda f, at, x, y: (
+        0,
+        at.call(surface_name(i + 1, j), x, y),
+        at.call(surface_name(i, j + 1), x, y),
+    )
 
 
 PARTIALS: dict[str, Any] = {
@@ -100,5 +112,6 @@ PARTIALS: dict[str, Any] = {
     "curve_slope": lambda f, at, x: (0, at.call("curve_bend", x)),
     "curve_bend": lambda f, at, x: (0, at.call("curve_twist", x)),
     "curve_twist": lambda f, at, x: (0, at.call("curve_jounce", x)),
-    "curve_jounce": lambda f, at, x: _Jounce(),
+    "curve_jounce": lambda f, at, x: _Fourth(),
+    **{name: _of_surface(*orders) for name, orders in ORDERS.items()},
 }

@@ -59,6 +59,8 @@ def nearest(x: Any) -> Any:
 
 def positive(x: Any) -> Any:
     """1 where x > 0, else 0 (its derivative is zero)."""
+    if isinstance(x, np.ndarray):
+        return 1.0 * (x > 0)
     return x.call("positive") if isinstance(x, Expression) else int(real(x) > 0)
 
 

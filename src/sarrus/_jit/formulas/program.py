@@ -26,8 +26,12 @@ def program(function: Callable[[Any], Any]) -> tuple[float, ...]:
     """
     graph = Graph()
     result = function(graph.input("x"))
-    wanted = result if isinstance(result, Expression) else graph.constant(float(result))
-    order = needed(graph, [wanted])
+    return program_of(result if isinstance(result, Expression) else graph.constant(float(result)))
+
+
+def program_of(wanted: Expression) -> tuple[float, ...]:
+    """The steps of a recorded formula."""
+    graph, order = wanted.graph, needed(wanted.graph, [wanted])
     if len(order) > STEPS:
         raise ValueError(f"the formula has {len(order)} steps, more than {STEPS}. Pass a table instead.")
     place = {identity: n for n, identity in enumerate(order)}

@@ -10,6 +10,7 @@ import numpy as np
 
 from .expression import Graph
 from .functions import NUMERIC
+from .surfaces import ORDERS
 
 CURVES: dict[str, Callable[..., Any]] = {
     "curve": lambda stored, x: stored(x),
@@ -17,6 +18,9 @@ CURVES: dict[str, Callable[..., Any]] = {
     "curve_bend": lambda stored, x: stored.bend(x),
     "curve_twist": lambda stored, x: stored.twist(x),
     "curve_moment": lambda stored, a, b: stored.moment(a, b),
+}
+SURFACES: dict[str, Callable[..., Any]] = {
+    name: lambda stored, x, y, i=i, j=j: stored.derivative(x, y, i, j) for name, (i, j) in ORDERS.items()
 }
 OPERATIONS: dict[str, Callable[..., Any]] = {
     "constant": lambda value: value,
@@ -27,6 +31,7 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     "neg": operator.neg,
     **NUMERIC,
     **CURVES,
+    **SURFACES,
 }
 ARRAYS: dict[str, Callable[..., Any]] = OPERATIONS | {
     "constant": float,  # fractions are recorded, too

@@ -11,16 +11,17 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, overload, register_jitable
 
-from ..formulas import curves, functions
+from ..formulas import curves, functions, surfaces
 from ..formulas.curves import STEPS, curve_bend, curve_slope, curve_twist, curve_value
+from ..formulas.surfaces import HIGHEST, ORDERS, surface_value
 
 ELEMENTARY = (
     functions.sqrt, functions.sin, functions.cos, functions.tan, functions.asin, functions.acos, functions.atan,
     functions.exp, functions.log, functions.tanh,
 )  # fmt: skip
-CALLED_BY_CURVES = (
-    curves._piece, curves._cubic, curves._chain, curves._elementary_step, curves._binary_step, curves._formula,
-    curves._evaluate,
+CALLED_BY_TABLES = (
+    curves.interval, curves._cubic, curves._chain, curves._elementary_step, curves._binary_step, curves._formula,
+    curves._evaluate, surfaces.hermite, surfaces._factors,
 )  # fmt: skip
 
 
@@ -67,15 +68,26 @@ def _choice(function: Callable[[float], float]) -> Callable[[Any], Callable[[flo
 
 
 def _register() -> None:
-    """Let compiled code call the functions of `curves`, and those that they call."""
+    """Let compiled code call the functions of `curves` and `surfaces`, and those that they call."""
     for elementary in ELEMENTARY:
         overload(elementary, strict=False)(_choice(_math(elementary.__name__)))
-    own = (curve_value, curve_slope, curve_bend, curve_twist)
-    for function in (*CALLED_BY_CURVES, *own):
+    own = (curve_value, curve_slope, curve_bend, curve_twist, surface_value)
+    for function in (*CALLED_BY_TABLES, *own):
         register_jitable(function)
 
 
+def _surface(i: int, j: int) -> Callable[..., Any]:
+    """A derivative of a surface in a form that Numba compiles."""
+    scope: dict[str, Any] = {"surface_value": surface_value}
+    exec(
+        f"def surface(numbers, at, x, y):\n    return surface_value(numbers, int(at), x, y, {i}, {j})", scope
+    )
+    compiled: Callable[..., Any] = scope["surface"]
+    return compiled
+
+
 _register()
+SURFACES = {name: _surface(*orders) for name, orders in ORDERS.items() if sum(orders) <= HIGHEST}
 COMPILED: dict[str, Callable[..., Any]] = {
     **{elementary.__name__: _math(elementary.__name__) for elementary in ELEMENTARY},
     "atan2": lambda y, x: math.atan2(y, x),
@@ -86,5 +98,6 @@ COMPILED: dict[str, Callable[..., Any]] = {
     "curve_slope": lambda numbers, at, x: curve_slope(numbers, int(at), x),
     "curve_bend": lambda numbers, at, x: curve_bend(numbers, int(at), x),
     "curve_twist": lambda numbers, at, x: curve_twist(numbers, int(at), x),
+    **SURFACES,
 }
-READS_NUMBERS = {"curve", "curve_slope", "curve_bend", "curve_twist"}
+READS_NUMBERS = {"curve", "curve_slope", "curve_bend", "curve_twist", *SURFACES}

@@ -111,9 +111,9 @@ class Emitter:
         if function in READS_NUMBERS:
             args, kinds = [self.numbers, *args], [types.CPointer(types.float64), *kinds]
         signature = types.float64(*kinds)
-        if function not in COMPILED:  # a derivative of a curve that only plain Python has
+        if function not in COMPILED:  # a derivative of a table that only plain Python has
             raise TypeError(
-                f"{function} of a curve is not available in a kernel. Use the curve, its slope, bend or twist."
+                f"{function} of a table is not available in a kernel. Use derivatives up to the third order."
             )
         compiled = self.context.compile_subroutine(self.builder, COMPILED[function], signature)
         _, result = self.context.call_internal_no_propagate(self.builder, compiled.fndesc, signature, args)

@@ -55,7 +55,7 @@ def multipliers(
 
 @reports_warnings
 @one_thread_if_small
-def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -> Trajectory:
+def inverse_dynamics(system: System, run: Trajectory) -> Trajectory:
     """Compute the multipliers (reactions and driving forces) that a given motion requires.
 
     Parameters
@@ -64,7 +64,6 @@ def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -
         Its drivers and joints supply the forces; they may differ from those of the system of `run`.
     run : Trajectory
         Its t, q, v and a are used unchanged.
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

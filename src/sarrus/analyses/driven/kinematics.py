@@ -16,14 +16,16 @@ from ...system import System
 from ...system.curves.curve_potentials import curve_potentials
 from ..arguments import refuse_for_positions
 from ..dynamics.dense_output.sampler import samples_at
+from ..dynamics.inputs.prescribed_motions import refuse_infinite_motions
 from ..equations.length import lever
-from ..equations.nullspace import NullSpace, normalizations
+from ..equations.nullspace import NullSpace
 from ..equations.projection import largest, onto
 from ..equations.table_ranges import announce_left_tables
 from ..position.assembly_changes import position_changes, warning
 from ..position.initial_state import PartialState, Start, contradicting, state_of
 from ..position.prescribed_angles import prescribed_revolutions
 from ..progress import Progress, TimeLimit, monitor
+from ..redundancy.redundant_constraints import named_rows
 from .inverse_dynamics import multipliers
 from .motion_loop import CROSSED, PAUSED
 from .steps import Instant, Path
@@ -36,7 +38,6 @@ SETTLED = 1e-10
 PERTURBATION = 1e-9  # of Φ: what a true branching does not need
 FINE = 1e-5  # length of the last step, relative to the first
 ROUND_OFF = 1e-14  # of a time: a step so short is none
-NAMED = 0.1  # equations are named down to this part of the largest share
 
 
 @reports_warnings
@@ -50,7 +51,6 @@ def kinematics(
     steps: int = STEPS,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
-    strict: bool = False,
 ) -> Trajectory:
     """Compute the motion that the drivers prescribe, and the forces that it requires.
 
@@ -67,7 +67,6 @@ def kinematics(
         `Equilibrium`; by default the model's
     progress : True for a bar on standard error, or a function of the time reached
     time_limit : seconds of the clock after which the analysis ends with the status "time limit"
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -90,6 +89,7 @@ def kinematics(
     if grid.ndim != 1 or not grid.size or np.any(np.diff(grid) <= 0) or not np.all(np.isfinite(grid)):
         raise ValueError("times must be rising numbers. Give at least one, in s.")
     refuse_for_positions(system, "kinematics", OVER_TIME)
+    refuse_infinite_motions(system, float(grid[0]), float(grid[-1]))
     run = _Run(system, grid, state_of(system, system.q0 if q is None else q))
     with monitor(progress, float(grid[-1]), done="analysed", time_limit=time_limit) as report:
         run.go(report)
@@ -147,7 +147,7 @@ class _Run:
                 "Remove a driver or joint that contradicts others",
             )
             return False
-        self.path.begin(first, self.system.joint_coordinates.revolutions(winding.values, first.q))
+        self.path.begin(first, self.system.counted_coordinates.revolutions(winding.values, first.q))
         if first.sign == 0:
             self._shortest_multipliers(first, 0)
         return True
@@ -373,10 +373,8 @@ def _fold_matrix(path: Path, t: float, q: Array, w: Array, w0: Array) -> csr_arr
 
 def involved(path: Path, near: Instant) -> str:
     """The joints whose equations become dependent there, those with the largest shares first, and these equations."""
-    share = abs(path.weakest(near.t, near.q)[1]) * ~normalizations(path.system)
-    names, rows_of_joints = path.system.row_names, dict[str, list[str]]()
-    for n in np.argsort(-share, kind="stable"):
-        if share[n] > NAMED * share.max():
-            joint, row = names[n].split(": ", 1)
-            rows_of_joints.setdefault(joint, []).append(row)
+    rows_of_joints = dict[str, list[str]]()
+    for n in named_rows(path.system, abs(path.weakest(near.t, near.q)[1])):
+        joint, row = path.system.row_names[n].split(": ", 1)
+        rows_of_joints.setdefault(joint, []).append(row)
     return ", ".join(f"{joint} ({', '.join(rows)})" for joint, rows in rows_of_joints.items())

@@ -84,7 +84,6 @@ def singularities(
     grid: ArrayLike | None = None,
     *,
     inputs: Iterable[str] = (),
-    strict: bool = False,
 ) -> Singularities:
     """Find and locate singular configurations along a motion or a one-parameter family of positions.
 
@@ -100,7 +99,6 @@ def singularities(
     grid : parameter values, with small distances between neighbours; by default the times of the trajectory
     inputs : as many coordinates (``"slider.x"``) or joints (``"crank_pin"``) as there are degrees of freedom, whose
         singular configurations are included; without inputs only those of the constraints are found
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

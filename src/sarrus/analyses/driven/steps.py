@@ -61,7 +61,7 @@ class Path:
         self.control = loop.Control.zeros()
         self._length = extent(system, q)
         self.rows, self.winding = np.arange(0), Winding(system)
-        self._revolutions = np.zeros((2, system.joint_coordinates.m))
+        self._revolutions = np.zeros((2, system.counted_coordinates.m))
 
     def choose_rows(self, t: float, q: Array) -> bool:
         """Take the equations that are independent at a place; whether they are others, as many as coordinates."""
@@ -89,7 +89,7 @@ class Path:
         matrix = (numbers.values, numbers.views["Phi_q"], self._matrix.placed, self.rows)
         others = left_out(system, self.rows)._replace(Phi_q=numbers.views["Phi_q"])  # at the same state
         jacobian: Any = (*matrix, others, *rows, *columns, self._length)
-        of = system.joint_coordinates
+        of = system.counted_coordinates
         coordinates = winding.residual, winding.velocity, of.b, of.angles, winding.values, winding.work
         joints: Any = (*coordinates, np.zeros(2), *pair, self._revolutions)
         states = (loop.State(*np.zeros((3, nq))) for _ in range(2))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -19,27 +19,29 @@ from ...outputs.reductions import REDUCTIONS, is_reduction
 from ...results import ErrorEstimate, Segments, Trajectory
 from ...system import System
 from ..progress import duration
+from .run_options import Limits
+from .stepping.step_control import StepControl
 
 MISSED = "error goal missed"  # status of the last run, which reached its end
 REPEATS = 6  # runs at most, after which the goal is given up
 SAFETY = 0.5  # [-] of the goal, at which the next run aims
 LEAST, MOST = 1e-6, 0.3  # [-] factors of tolerances from one run to the next
 POWER, POWER_OF_ORDER_TWO = 1.0, 1.5  # tolerances fall with the error to this power
-MANY = "Smaller tolerances need too many steps. Choose a larger error or a larger max_steps"
+MANY = "Smaller tolerances need too many steps. Choose a larger error or a larger limit of steps"
 POWER_OF_STEP = 0.5  # of a given step of methods of order two
 
-Goals = Mapping[Any, "float | str"]
+Method = TypeVar("Method", bound=StepControl)
 
 
 def simulated_to(
-    run_with: Callable[..., Trajectory], system: System, goals: Goals, time_limit: float | None, **given: Any
+    run_with: Callable[..., Trajectory], system: System, method: StepControl, limits: Limits
 ) -> Trajectory:
     """The first run whose responses meet their goals, or the last one, without success.
 
     Parameters
     ----------
-    run_with : gives a run with stored steps for the method and the tolerances, `given`, and a time limit
-    goals : largest errors by responses, numbers in SI units or texts with a unit
+    run_with : gives a run with stored steps for a method and limits
+    limits : with the largest errors by responses, numbers in SI units or texts with a unit
 
     Raises
     ------
@@ -48,13 +50,14 @@ def simulated_to(
     TypeError
         If goals are no mapping.
     """
+    goals, time_limit = limits.errors, limits.time
     if not isinstance(goals, Mapping):
         raise TypeError(
-            f'error must be a mapping of responses, got {show(goals)}. Give one such as {{"slider.x": "1 um"}}.'
+            f'errors must be a mapping of responses, got {show(goals)}. Give one such as {{"slider.x": "1 um"}}.'
         )
     wanted = np.array([goal_in_si(system, response, goal) for response, goal in goals.items()])
     end, before = np.inf if time_limit is None else time.monotonic() + time_limit, np.inf
-    run = run_with(**given, time_limit=time_limit)
+    run = run_with(method=method, limits=replace(limits, errors=None))
     for left in range(REPEATS - 1, -1, -1):
         if not run.success:
             return run
@@ -66,10 +69,11 @@ def simulated_to(
         same = ratio == before  # tolerances were the smallest of the method already
         if hopeless or same or not left or not np.isfinite(ratio):
             return _missed(run, found, wanted)
-        before, given = ratio, _smaller(given, ratio / SAFETY, _precise(run))
+        before, method = ratio, _smaller(method, ratio / SAFETY, _precise(run))
         if (seconds := end - time.monotonic()) <= 0:
             return _missed(run, found, wanted, _late(time_limit))
-        again = run_with(**given, time_limit=None if time_limit is None else seconds)
+        left_time = None if time_limit is None else seconds
+        again = run_with(method=method, limits=replace(limits, time=left_time, errors=None))
         if again.status in ("time limit", "too many steps"):
             return _missed(run, found, wanted, _late(time_limit) if again.status == "time limit" else MANY)
         run = again
@@ -102,19 +106,19 @@ def _precise(run: Trajectory) -> bool:
     return steps is not None and steps.precise
 
 
-def _smaller(given: Mapping[str, Any], ratio: float, precise: bool) -> dict[str, Any]:
-    """Method and tolerances for an error that is smaller by a ratio."""
-    if getattr(given["method"], "step", None):
-        return finer(given, 1 / ratio)
-    return finer(given, min(max(float(ratio) ** -(POWER if precise else POWER_OF_ORDER_TWO), LEAST), MOST))
-
-
-def finer(given: Mapping[str, Any], factor: float) -> dict[str, Any]:
-    """The options of a run with all tolerances times a factor; a given step is multiplied by its square root."""
-    method: Any = given["method"]
+def _smaller(method: StepControl, ratio: float, precise: bool) -> StepControl:
+    """The method for an error that is smaller by a ratio."""
     if getattr(method, "step", None):
-        return {**given, "method": replace(method, step=method.step * factor**POWER_OF_STEP)}
-    return {**given, **{name: _scaled(given[name], factor) for name in ("rtol", "atol")}}
+        return finer(method, 1 / ratio)
+    return finer(method, min(max(float(ratio) ** -(POWER if precise else POWER_OF_ORDER_TWO), LEAST), MOST))
+
+
+def finer(method: Method, factor: float) -> Method:
+    """The method with all tolerances times a factor; a given step is multiplied by its square root."""
+    given: Any = method
+    if getattr(method, "step", None):
+        return cast(Method, replace(given, step=given.step * factor**POWER_OF_STEP))
+    return replace(method, rtol=_scaled(method.rtol, factor), atol=_scaled(method.atol, factor))
 
 
 def _scaled(tolerance: Any, factor: float) -> Any:

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NoReturn, TypeAlias
+from typing import Any, NoReturn, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
-from ...defaults import RTOL, RTOL_OF_ORDER_2
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
 from ...model.show import quote
@@ -32,30 +31,33 @@ from ...results.saving.saved import (
 )
 from ...results.writing import attributes, system_data
 from ...system import System
-from ..integration_methods import method_of
 from ..progress import monitor
-from .events.crossing import Crossing
 from .events.events import Event, Impact
-from .inputs.force_arguments import that_jumps
+from .events.singular_passage import SingularPassage
+from .inputs.force_arguments import that_jump
 from .inputs.laws_of_time import Stops, stops_of
 from .integrators.alpha import HHT, GeneralizedAlpha
 from .integrators.described import DescribedMethod, Radau, StepMethod
-from .integrators.differentiable import Differentiable, differentiable
+from .integrators.differentiable import Method, method_with_options
 from .integrators.ida import IDA
 from .integrators.ode import ODE
+from .run_options import Events, Limits, events_of, limits_of, listed_events, refuse_store
+from .sampled.control import Control
 from .stepping.step_budget import StepBudget
-from .stepping.stepper import RunFailure, Settings
-from .stepping.tolerance import Given, Tolerances
+from .stepping.stepper import RunFailure, Settings, Stepper
+from .stepping.tolerance import Tolerances
 from .time_loop.outcome import nothing
-from .time_loop.time_loop import Controllers, Plan, TimeLoop
+from .time_loop.recording import Plan
+from .time_loop.time_loop import TimeLoop
 
 LATEST = 1e12  # [s] 30,000 years: first steps are parts of the whole time
 SHORTEST = 1e-100  # s: squares of shorter runs vanish
 STORED = {
     one.__name__: one
-    for one in (Assembly, AssemblyRequest, Event, Impact, HHT, GeneralizedAlpha, Radau, ODE, IDA)
-}
-Method: TypeAlias = Differentiable | ODE | IDA
+    for one in (
+        Assembly, AssemblyRequest, Event, Impact, Limits, HHT, GeneralizedAlpha, Radau, DescribedMethod, ODE, IDA
+    )
+}  # fmt: skip
 Progress: TypeAlias = Callable[[float], None] | None
 
 
@@ -91,7 +93,7 @@ class Recipe:
 
     @classmethod
     def of(
-        cls, system: System, start: Assembly, given: dict[str, Any], control: Controllers | None = None
+        cls, system: System, start: Assembly, given: dict[str, Any], control: Control | None = None
     ) -> Recipe:
         """Prepare a run.
 
@@ -106,31 +108,29 @@ class Recipe:
         ValueError
             If they are wrong.
         """
-        method, until, max_step = given["method"], given["until"], given["max_step"]
-        store_steps, corners, events = given["store_steps"], given["corners"], given["events"]
+        method, until, store = given["method"], given["until"], given["store"]
         refuse_end(until, start.t)
+        refuse_store(store)
         times = _times(given["t_eval"], start.t, until)
+        events, breakpoints = events_of(given["events"])
+        if control is not None:
+            breakpoints = np.concatenate([breakpoints, control.times()])
         step: float | None = getattr(method, "step", None)
-        stops = stops_of(system, np.asarray(given["breakpoints"], dtype=float), until, start.t, step=step)
+        stops = stops_of(system, breakpoints, until, start.t, step=step)
+        max_step, store_steps, dense = method.max_step, store == "steps", store != "samples"
         announce(_passed_over(system, stops, step))
         if max_step < np.spacing(until):
             message = f"max_step is {max_step:.3g} s, less than the rounding of the time {until:g} s."
             raise ValueError(f"{message} Give a longer one.")
         settings = Settings(
-            Tolerances.of(system, rtol_of(method, given["rtol"]), given["atol"]), min(max_step, stops.longest),
-            min(given["first_step"] or 0.0, until - start.t), store_steps, times=times,
-            dense=given["dense_output"] or bool(events),
+            Tolerances.of(system, method.rtol, method.atol), min(max_step, stops.longest),
+            min(method.first_step or 0.0, until - start.t), store_steps, times=times, dense=dense or bool(events),
         )  # fmt: skip
-        free = step is None and not isinstance(method, IDA)
-        if corners and not free:
-            raise ValueError(
-                "corners: steps of a given length and those of IDA do not end at corners. Remove the step of the "
-                "method, choose another method, or remove corners=True."
-            )
-        every = free and (store_steps or that_jumps(system)) if corners is None else corners
         plan = Plan(
-            times, until, stops.all, stops.kinks, events, given["dense_output"], corners=bool(every), free=free,
-            budget=StepBudget(given["max_steps"], min(max_step, step or np.inf), method), stored=store_steps,
+            times, until, stops.all, stops.kinks, events, dense,
+            free=step is None and not isinstance(method, IDA),
+            budget=StepBudget(limits_of(given["limits"]).steps, min(max_step, step or np.inf), method),
+            stored=store_steps,
             aside=stops.aside, behind=stops.behind, control=control,
         )  # fmt: skip
         return cls(system, start, method, settings, plan, given)
@@ -139,7 +139,7 @@ class Recipe:
         """The run, at its start."""
         stepper = self.method.stepper(self.system, self.start, self.settings)
         if not self.settings.store_steps:
-            stepper = Crossing(stepper, self.system, self.settings)
+            stepper = cast(Stepper, SingularPassage(stepper, self.system, self.settings))
         return TimeLoop(self.system, stepper, replace(self.plan, store=store, progress=progress))
 
     def done(
@@ -148,7 +148,7 @@ class Recipe:
         """The run from its start or a saved state on; warnings about its energy are saved with it."""
         loop = self.loop(store, progress)
         run = loop.go(self.start, state)
-        found = announce(loop.energies.warnings(run, self.settings.tolerances))
+        found = announce(loop.recording.energies.warnings(run, self.settings.tolerances))
         if store is not None and found:
             store.warn(found)
         return run
@@ -168,13 +168,9 @@ class Recipe:
     def _as_bytes(self, path: str | os.PathLike[str]) -> bytes:
         """The stored data, each argument by itself, so that one can be given again."""
         own = {**self.arguments, "start": replace(self.start, call=None)}
-        own |= {name: _plain(own[name]) for name in ("t_eval", "rtol", "atol", "breakpoints")}
+        own["t_eval"] = own["t_eval"] if own["t_eval"] is None else np.asarray(own["t_eval"], dtype=float)
         parts = {name: np.frombuffer(dumps(value, STORED), dtype=np.uint8) for name, value in own.items()}
         return dumps({**system_data(self.system, path), "arguments": parts}, {})
-
-
-def _plain(given: Any) -> Any:
-    return given if given is None or isinstance(given, Mapping) else np.asarray(given, dtype=float)
 
 
 @reports_warnings
@@ -183,11 +179,10 @@ def resume(
     path: str | os.PathLike[str],
     *,
     system: System | None = None,
-    events: Event | Sequence[Event] | None = None,
+    events: Events | None = None,
     method: Method | None = None,
     progress: bool | Callable[[float], None] | None = None,
     time_limit: float | None = None,
-    strict: bool = False,
 ) -> Trajectory:
     """Continue an interrupted saved run; the result has the same bits as an uninterrupted run.
 
@@ -203,7 +198,6 @@ def resume(
     path : the folder of ``simulate(..., save=path)``
     system, events, method : those of the run, where the folder does not contain them
     progress, time_limit : as for `simulate`
-    strict : raise the first warning as a `StrictError`
 
     Raises
     ------
@@ -217,8 +211,13 @@ def resume(
         with monitor(progress, recipe.plan.until, time_limit=time_limit) as message:
             return recipe.saved(folder, message)
     about, _, state = arrays_of(folder)
+    if "record._written" not in state:
+        remedy = "Open it with sarrus.load_run, or simulate anew."
+        raise SavedDataError(
+            f"{folder}: its checkpoint was written by an earlier version of Sarrus. {remedy}"
+        )
     if json.loads(str(state["told"]))["status"] not in UNFINISHED:
-        return recipe.loop().over(state, folder)
+        return recipe.loop().recording.over(state, folder)
     announce(other_versions(about))
     try:
         store, state = Store.reopen(folder)
@@ -234,9 +233,8 @@ def repeat(
     path: str | os.PathLike[str],
     *,
     system: System | None = None,
-    events: Event | Sequence[Event] | None = None,
+    events: Events | None = None,
     method: Method | None = None,
-    strict: bool = False,
 ) -> Trajectory:
     """Repeat a saved run in memory, with its stored model and options.
 
@@ -244,7 +242,6 @@ def repeat(
     ----------
     path : the folder that the run was saved in
     system, events, method : see `resume`
-    strict : raise the first warning as a `StrictError`
     """
     return recipe_in(Path(path), system, events=events, method=method).done()
 
@@ -260,7 +257,7 @@ def recipe_in(folder: Path, system: System | None = None, **again: Any) -> Recip
     stored = recipe_of(folder)
     if "arguments" not in stored:
         message = f"{folder}: was saved after the run, by run.save, without its options and its steps."
-        raise SavedDataError(f"{message} Open it with sarrus.load_run, or simulate with save=.")
+        raise SavedDataError(f"{message} Simulate with save= for a folder by which the run can be repeated.")
     parts = {name: part.tobytes() for name, part in stored["arguments"].items()}
     found = {name: _argument(folder, name, part, again.get(name)) for name, part in parts.items()}
     return Recipe.of(system_of(folder, stored, system), found.pop("start"), found)
@@ -275,17 +272,10 @@ def _argument(folder: Path, name: str, stored: bytes, again: Any) -> Any:
 
     if again is None:
         return loads(folder / RECIPE, stored, STORED, refuse)
-    again = events_of(again) if name == "events" else method_with_options(again)
+    again = listed_events(again) if name == "events" else method_with_options(again)
     if dumps(again, STORED) != stored:
         raise SavedDataError(f"{folder}: was computed with other {name}. Pass those of the run.")
     return again
-
-
-def rtol_of(method: StepMethod | ODE | IDA, given: Given | None) -> Given:
-    """The relative tolerance, by default that of the method."""
-    if given is not None:
-        return given
-    return RTOL_OF_ORDER_2 if isinstance(method, HHT | GeneralizedAlpha | DescribedMethod) else RTOL
 
 
 def _times(given: ArrayLike | None, begin: float, until: float) -> Array:
@@ -307,26 +297,8 @@ def _passed_over(system: System, stops: Stops, step: float | None) -> Iterator[s
             f"{system.name}: a load or a motion varies at t = {stops.quick[0]:.6g} s within less than half a step of "
             f"{step} s, so that steps may pass over it. Take shorter ones, or a method without a given step."
         )
-    if step is not None and (owner := that_jumps(system)):
+    if step is not None and (owners := that_jump(system)):
         yield (
-            f"{system.name}: a law of {quote(owner)} jumps, and steps of a given length do not end there, which may be "
-            "a large error. Take a method without a given step, or a law that changes within a width."
+            f"{system.name}: a law of {quote(owners[0])} jumps, and steps of a given length do not end there, which "
+            "may be a large error. Take a method without a given step, or a law that changes within a width."
         )
-
-
-def events_of(given: Event | Sequence[Event]) -> list[Event]:
-    """The events of an option of `simulate`."""
-    found: Sequence[object] = [given] if isinstance(given, Event) else given
-    if not isinstance(found, list | tuple) or not all(isinstance(one, Event) for one in found):
-        raise TypeError(
-            f"events must be a sarrus.Event, or a list of them, got {type(given).__name__}. Pass sr.Event(...)."
-        )
-    return [*found]
-
-
-def method_with_options(given: Method | None) -> StepMethod | ODE | IDA:
-    """The method of an option of `simulate`, by default Radau."""
-    given = method_of(given)
-    if isinstance(given, ODE | IDA):
-        return given
-    return differentiable(given, ", ODE(), IDA()", 'For a solver of SciPy give ODE("DOP853").')

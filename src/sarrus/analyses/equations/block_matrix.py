@@ -20,10 +20,10 @@ from ...linalg.sparse_lu import refactor as factor_in_place
 from ...linalg.sparse_lu import solve as solve_in_place
 from ...linalg.sparse_lu import solve_columns as solve_columns_in_place
 from ...linalg.sparse_lu import solve_transposed as solve_transposed_in_place
-from ...linalg.sparse_solver import SparseLU
+from ...linalg.sparse_solver import SingularMatrix, SparseLU
 from ...system import System
-from ...system.cached import once_alike
-from .equilibration import CONSTRAINTS, COORDINATES, Block, exponents
+from ...system.cached import once, once_alike
+from .equilibration import BETWEEN_COORDINATES, GRADIENT, TRANSPOSED, Blocks, Sizes, exponents
 from .length import kinematic_weights
 
 # diagonal blocks (nq, nq), see `kinematic_weights`, and (m, m) with 1 for equations left out
@@ -102,10 +102,10 @@ class Numbers:
 
         `to` are the names under which they are stored, where they are those at another state.
         """
-        found = self.system.group(*group)
-        found.run(b, *(operands[name] for name in found.operands), *self.of(to or group))
+        found, to = self.system.group(*group), to or group
+        found.run(b, *(operands[name] for name in found.operands), *self.of(to))
         if "Phi_q" in group:
-            link(leave_out)(self.views["Phi_q"], self.row_of, self.left_out)
+            link(leave_out)(self.views[to[group.index("Phi_q")]], self.row_of, self.left_out)
 
 
 class PlacedMatrix:
@@ -187,23 +187,14 @@ class PlacedMatrix:
 
     def _exponents(self) -> tuple[Array, Array]:
         """Exponents of two by which rows and columns are multiplied where pivots are chosen, see `equilibration`."""
-        numbers, like, blocks = self.numbers, dict(self.numbers.like), list[Block]()
-        for part, weight in zip(self._kinds, self.weights, strict=True):
-            operator = like.get(part.name, part.name)
-            whole = operator != UNIT or part.rows is None
-            if operator in DEFINITE and whole and weight != 0.0:
-                own = span(numbers.system, operator, part.rows)
-                rows, columns = (x[own] for x in entries_of(numbers.system, operator))
-                first = CONSTRAINTS if operator == "Phi_q" else COORDINATES
-                kinds = (COORDINATES, first) if part.transposed else (first, COORDINATES)
-                sizes = abs(weight) * abs(numbers.views[part.name][own])
-                rows, columns = (columns, rows) if part.transposed else (rows, columns)
-                blocks.append(Block(part.row, part.column, kinds, rows, columns, sizes))
-        size = {COORDINATES: numbers.system.nq, CONSTRAINTS: numbers.system.m}
-        rows, columns = exponents(self.n, blocks, size)
+        numbers, system, used = self.numbers, self.numbers.system, tuple((self.weights != 0.0).tolist())
+        blocks = blocks_of(system, numbers.like, self._kinds, used)
+        sizes = Sizes(numbers.values, self.parts[:, 0].copy(), abs(self.weights))
+        rows, columns = np.zeros((2, self.n), np.int64)
+        link(exponents)(blocks, sizes, system.m, rows, columns)
         for part, weight in zip(self._kinds, self.weights, strict=True):
             if part.name == UNIT and part.rows is not None:  # in place of multipliers that there are not
-                own = abs(weight) * numbers.views[UNIT][span(numbers.system, UNIT, part.rows)]
+                own = abs(weight) * numbers.views[UNIT][span(system, UNIT, part.rows)]
                 at = part.row + np.arange(len(own))
                 rows[at] = -columns[at] - np.frexp(np.asarray(own, dtype=float))[1]
         return rows, columns
@@ -217,13 +208,14 @@ class PlacedMatrix:
 
     def state(self) -> dict[str, Array]:
         """Pivot order, factors and weights; nothing before pivots are chosen."""
-        return {} if self.placed is None else {name: getattr(self.placed, name) for name in FACTORS}
+        return {} if self.placed is None else {name: getattr(self.placed, name).copy() for name in FACTORS}
 
-    def resume(
-        self, row_place: Array, column_order: Array, factors: Array, weights: Array, scale: Array
-    ) -> None:
+    def resume(self, state: Mapping[str, Array]) -> None:
         """Take over such a state."""
-        self.weights[:] = weights
+        if not state:
+            self.placed = None
+            return
+        row_place, column_order, factors, self.weights[:], scale = (state[name] for name in FACTORS)
         own = self.placed
         if (
             own
@@ -233,26 +225,57 @@ class PlacedMatrix:
             own.factors[:], own.scale[:] = factors, scale
             return
         pattern = self._layout.indptr, self._layout.indices
-        placed = self._show(SparseLU.ordered(*pattern, row_place, column_order, factors))
+        placed = self._show(SparseLU.ordered(*pattern, row_place, column_order, factors), np.zeros(self.n))
         self.placed = placed._replace(scale=scale)
 
     def _lodged(self) -> Assembler | None:
-        """With the order of the host, and memory for factors."""
-        if self._host is None or self._host.placed is None:
+        """With the order of the host, or else that of the model's position, and memory for factors."""
+        if self._host is not None:
+            found = self._host.placed
+        else:
+            own, left_out = self.numbers, self.numbers.left_out.tobytes()
+            (found,) = first_order(own.system, own.names, own.like, self.n, self._kinds, left_out)
+            found = found and found._replace(scale=_scale(found, self._exponents()[0]))
+        if found is None:
             return None
-        found, kind = self._host.placed, self.weights.dtype
-        factors, work = np.zeros_like(found.factors, kind), np.zeros_like(found.work, kind)
+        factors, work = np.zeros(len(found.rows), self.weights.dtype), np.zeros(self.n, self.weights.dtype)
         return found._replace(parts=self.parts, weights=self.weights, factors=factors, work=work)
 
-    def _show(self, lu: SparseLU, exponents: Array | None = None) -> Assembler:
-        scale = np.ones(self.n)
-        if exponents is not None:
-            scale[lu.row_place] = np.exp2(exponents)
+    def _show(self, lu: SparseLU, exponents: Array) -> Assembler:
         self.placed = Assembler(
             self.parts, lu.slots[self._layout.place], self.weights, lu.pointers, lu.rows, lu.diagonal, lu.factors,
-            np.zeros_like(lu.factors, shape=self.n), lu.row_place, lu.column_order, scale,
+            np.zeros_like(lu.factors, shape=self.n), lu.row_place, lu.column_order, _scale(lu, exponents),
         )  # fmt: skip
         return self.placed
+
+
+def _scale(order: SparseLU | Assembler, exponents: Array) -> Array:
+    """The powers of two by which rows are multiplied, in the order of the pivots."""
+    scale = np.zeros(len(exponents))
+    scale[order.row_place] = np.exp2(exponents)
+    return scale
+
+
+@once
+def first_order(
+    system: System, names: tuple[str, ...], like: tuple[tuple[str, str], ...], n: int, parts: tuple[Part, ...],
+    left_out: bytes,
+) -> tuple[Assembler | None]:  # fmt: skip
+    """The order of pivots for M and Φ_q at the model's position, which fits most other states; none if it is singular.
+
+    It is kept with the system, and depends on nothing else: runs do not depend on those before them.
+    """
+    numbers = Numbers(system, names, dict(like))
+    numbers.left_out[:] = np.frombuffer(left_out)
+    for name in names:
+        operator = dict(like).get(name, name)
+        if operator in ("M", "Phi_q"):
+            numbers.evaluate((operator,), system.b, {"t": 0.0, "q": system.q0}, (name,))
+    matrix = PlacedMatrix(numbers, n, parts)
+    try:
+        return (matrix.choose_pivots()._replace(factors=np.zeros(0), work=np.zeros(0)),)
+    except (SingularMatrix, ValueError):
+        return (None,)
 
 
 class Layout(NamedTuple):
@@ -272,6 +295,25 @@ def layout_of(system: System, n: int, like: tuple[tuple[str, str], ...], parts: 
     first = np.cumsum([0, *(len(own) for own, _ in found)])[:-1]
     indptr, indices, place = link(compressed)(n, rows, columns)
     return Layout(indptr, indices, place, tuple(first.tolist()))
+
+
+@once_alike
+def blocks_of(
+    system: System, like: tuple[tuple[str, str], ...], parts: tuple[Part, ...], used: tuple[bool, ...]
+) -> Blocks:
+    """The blocks by which a matrix is equilibrated: those of `DEFINITE` operators among the parts that are used."""
+    found, places = list[tuple[int, int, int, int]](), [(np.zeros(0, np.int32),) * 2]
+    for n, part in enumerate(parts):
+        operator = dict(like).get(part.name, part.name)
+        if used[n] and operator in DEFINITE and (operator != UNIT or part.rows is None):
+            gradient = TRANSPOSED if part.transposed else GRADIENT
+            kind = gradient if operator == "Phi_q" else BETWEEN_COORDINATES
+            found.append((n, kind, part.row, part.column))
+            places.append(_entries(system, part._replace(row=0, column=0), dict(like)))
+    rows, columns = (np.concatenate(axis) for axis in zip(*places, strict=True))
+    bounds = np.cumsum([len(own) for own, _ in places])
+    numbers, kinds, row, column = np.array(found, np.int64).reshape(-1, 4).T.copy()
+    return Blocks(numbers, kinds, row, column, bounds, rows, columns)
 
 
 @once_alike

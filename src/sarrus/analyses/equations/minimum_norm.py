@@ -109,7 +109,7 @@ def least_multipliers(
 ) -> Array:
     """The multipliers of least norm with Φ_qᵀλ = f, up to the part of f along free directions."""
     lam = space.multipliers(f)
-    if not space.null.size:
+    if space.rank == len(lam):
         return lam
     return MinimumNormChoice.of(Wrenches(system, J, q, system.b if b is None else b), space.null).choose(lam)
 

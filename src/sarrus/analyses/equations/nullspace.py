@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from scipy.linalg import eigh, qr
 from scipy.sparse import csr_array
 
 from ...algebra import Array
-from ...linalg.rank import DEPENDENT
+from ...linalg.rank import DEPENDENT, TOLERANCE
 from ...model import ModelError
 from ...system import System
 from .length import LEAST_LEVER, extent, lever, units
@@ -27,22 +28,27 @@ class NullSpace:
     Attributes
     ----------
     rank : number of independent rows
+    regular : whether all rows are, with all singular values above `rank.TOLERANCE`
     lengths : of the rows (m,), where displacements are measured in `length`
     Z : (n, n - rank) basis of the directions ξ with J ξ = 0, orthonormal where displacements are measured in `length`
-    null : (m, m - rank) orthonormal basis of the y with Jᵀ y = 0
     share : (n - rank, n) with share Z = I, zero for what `change` returns
     """
 
     def __init__(self, J: Any, length: float, tolerance: float = DEPENDENT) -> None:
-        self._unit = units(J.shape[1], length)
-        dense = J.toarray() * self._unit
-        self.lengths = _lengths(dense)
-        left, sizes, right = np.linalg.svd(dense / self.lengths[:, None], full_matrices=True)
-        self.rank = int(np.count_nonzero(sizes > tolerance * sizes.max(initial=0.0)))
-        self._left, self._sizes = left[:, : self.rank], sizes[: self.rank]
+        rows, self._unit, self.lengths = scaled_rows(J, length)
+        left, sizes, right = np.linalg.svd(rows, full_matrices=True)
+        largest = sizes.max(initial=0.0)
+        self.rank = int(np.count_nonzero(sizes > tolerance * largest))
+        self.regular = int(np.count_nonzero(sizes > TOLERANCE * largest)) == len(left)
+        self._left, self._other_left = left[:, : self.rank], left[:, self.rank :]
+        self._sizes = sizes[: self.rank]
         self._right = right[: self.rank].T
         self.Z, self.share = self._unit[:, None] * right[self.rank :].T, right[self.rank :] / self._unit
-        self.null = np.linalg.qr(left[:, self.rank :] / self.lengths[:, None])[0]
+
+    @cached_property
+    def null(self) -> Array:
+        """(m, m - rank) orthonormal basis of the y with Jᵀ y = 0."""
+        return np.asarray(np.linalg.qr(self._other_left / self.lengths[:, None])[0])
 
     def change(self, g: Array) -> Array:
         """The shortest x with J x = g, for a vector or columns; the nearest to it where there is none."""
@@ -54,18 +60,27 @@ class NullSpace:
         return np.asarray(self._left @ ((self._right.T @ (self._unit * f)) / self._sizes) / self.lengths)
 
 
-def pivoted_rows(J: Array) -> Array:
-    """Places of as many independent rows as there are, in rising order, by a QR decomposition with pivoting (rank,)."""
+def scaled_rows(J: Any, length: float) -> tuple[Array, Array, Array]:
+    """The rows of J for displacements in parts of a length, scaled to unit length; see `units`; the rows' lengths."""
+    unit = units(J.shape[1], length)
+    dense = J.toarray() * unit
+    lengths = np.sqrt((dense * dense).sum(axis=1))
+    lengths[lengths == 0] = 1.0
+    return dense / lengths[:, None], unit, lengths
+
+
+def pivoted_rows(J: Array, sizes: Array | None = None) -> Array:
+    """Places of as many independent rows as there are, in rising order, by a QR decomposition with pivoting (rank,).
+
+    Rows that are round-off of larger vectors, of which they are projections with given `sizes` (rows,), are zero.
+    """
     if not J.size:
         return np.zeros(0, dtype=np.int64)
+    if sizes is not None:
+        J = np.where(np.linalg.norm(J, axis=1) > DEPENDENT * sizes, J.T, 0.0).T
     triangle, order = qr(J.T, mode="r", pivoting=True)
-    sizes = abs(np.diag(triangle))
-    return np.sort(order[: np.count_nonzero(sizes > DEPENDENT * sizes.max(initial=0.0))])
-
-
-def _lengths(J: Array) -> Array:
-    length = np.sqrt((J * J).sum(axis=1))
-    return np.where(length > 0, length, 1.0)
+    diagonal = abs(np.diag(triangle))
+    return np.sort(order[: np.count_nonzero(diagonal > DEPENDENT * diagonal.max(initial=0.0))])
 
 
 LEAST = 1e-14  # of the largest inertia along a free motion: what cannot be distinguished from none

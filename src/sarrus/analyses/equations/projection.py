@@ -7,11 +7,12 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from ...algebra import Array
+from ...linalg.rank import DEPENDENT, rows_of_entries
 from ...system import System
 from ..arguments import kind
 from .length import lever, row_sizes, unit_displacement, units
 from .motion import Saddle
-from .nullspace import NullSpace
+from .nullspace import scaled_rows
 
 ROUND_OFF = 16 * np.finfo(float).eps  # of the terms of an equation before they cancel, |Φ_q| |q|
 
@@ -27,9 +28,7 @@ def allowed(J: csr_array, q: Array, length: float, tolerance: float) -> Array:
 
 def round_off_of(J: csr_array, q: Array) -> Array:
     """The round-off of Φ, for each equation (m,)."""
-    rows = np.repeat(np.arange(J.shape[0]), np.diff(J.indptr))
-    terms = np.bincount(rows, weights=abs(J.data) * abs(q)[J.indices], minlength=J.shape[0])
-    return np.asarray(ROUND_OFF * terms)
+    return np.asarray(ROUND_OFF * np.bincount(rows_of_entries(J), abs(J.data * q[J.indices]), J.shape[0]))
 
 
 def metric(system: System, given: str | ArrayLike, q: Array) -> Array:
@@ -79,7 +78,13 @@ ACCEPTED = 1e-10  # the same, where the improvement ends earlier
 
 
 def onto(
-    system: System, q: Array, t: float, *, b: Array | None = None, steps: int = 20
+    system: System,
+    q: Array,
+    t: float,
+    *,
+    b: Array | None = None,
+    steps: int = 20,
+    length: float | None = None,
 ) -> tuple[Array, bool]:
     """Coordinates near q with Φ(q, t) = 0, and whether they were reached.
 
@@ -90,15 +95,17 @@ def onto(
     t : time [s]
     b : (nb,) other numbers than the model's
     steps : at most so many Gauss-Newton steps, each halved while it makes |Φ| larger
+    length : by which displacements are measured, by default the largest lever arm at q [m]
     """
     J, residual = system.Phi_q(q, t, b=b), system.Phi(q, t, b=b)
-    length = lever(system, q, J)
+    length = length or lever(system, q, J)
     for _ in range(steps):
         if np.all(abs(residual) <= allowed(J, q, length, TOLERANCE)):
             return q, True
-        space = NullSpace(J, length)
-        there, after = _shortened(system, q, t, b, space.change(-residual), space.lengths)
-        if largest(after / space.lengths) >= largest(residual / space.lengths):
+        rows, unit, lengths = scaled_rows(J, length)
+        change = unit * np.linalg.lstsq(rows, -residual / lengths, rcond=DEPENDENT)[0]
+        there, after = _shortened(system, q, t, b, change, residual, lengths)
+        if largest(after / lengths) >= largest(residual / lengths):
             break
         q, residual, J = there, after, system.Phi_q(there, t, b=b)
     return q, bool(np.all(abs(residual) <= allowed(J, q, length, ACCEPTED)))
@@ -110,10 +117,9 @@ def largest(vector: Array) -> float:
 
 
 def _shortened(
-    system: System, q: Array, t: float, b: Array | None, step: Array, rows: Array
+    system: System, q: Array, t: float, b: Array | None, step: Array, residual: Array, rows: Array
 ) -> tuple[Array, Array]:
-    there, after = q, system.Phi(q, t, b=b)
-    before = largest(after / rows)
+    there, after, before = q, residual, largest(residual / rows)
     for halvings in range(10):
         there = q + step * 0.5**halvings
         after = system.Phi(there, t, b=b)

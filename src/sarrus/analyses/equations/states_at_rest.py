@@ -5,7 +5,7 @@ Q(q, v(q), t) with v(q) = 0 but for the states,    dQ/dq = Q_q + Q_v v_q
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from scipy.linalg import null_space
@@ -44,11 +44,15 @@ def with_states(system: System, q: Array, v: Array) -> Array:
     return found
 
 
-def by_position(system: System, Q_q: csr_array, Q_v: csr_array) -> csr_array:
-    """Q_q + Q_v v_q: the derivative of forces at rest by coordinates that hold the states."""
-    own = np.isin(Q_v.indices, places(system))
-    columns: Any = (np.where(own, Q_v.data, 0.0), Q_v.indices, Q_v.indptr)
-    return csr_array(Q_q + csr_array(columns, shape=Q_v.shape))
+def by_position(system: System, matrix: Callable[[str], csr_array]) -> Array:
+    """Q_q + Q_v v_q: the derivative of forces at rest by coordinates that hold the states (nq, nq).
+
+    `matrix` is called with "Q_q", and with "Q_v" if there are states.
+    """
+    found, own = np.asarray(matrix("Q_q").toarray()), places(system)
+    if len(own):
+        found[:, own] += matrix("Q_v").toarray()[:, own]
+    return found
 
 
 def following(system: System, q: Array, t: float, b: Array) -> Array:
@@ -67,8 +71,8 @@ def following(system: System, q: Array, t: float, b: Array) -> Array:
 
 def _rates_by_states(system: System, q: Array, t: float, b: Array, own: Array) -> Array:
     v = at_rest(system, q)
-    J = by_position(system, system.Q_q(q, v, t, b=b), system.Q_v(q, v, t, b=b))
-    return np.asarray(J[own][:, own].toarray())
+    J = by_position(system, lambda name: getattr(system, name)(q, v, t, b=b))
+    return np.asarray(J[own][:, own])
 
 
 def settled_states(system: System, q: Array, t: float, b: Array, own: Array) -> Array | None:

@@ -1,4 +1,4 @@
-"""Tables that are used outside of their range, where they go on along the tangent at an end."""
+"""Tables and surfaces that are used outside of their range, where they continue along the tangent at an end."""
 
 from __future__ import annotations
 
@@ -9,25 +9,41 @@ import numpy as np
 
 from ..._jit.formulas.expression import Expression, Graph
 from ..._jit.formulas.replay import needed
+from ..._jit.formulas.surfaces import ORDERS
 from ...algebra import Array
 from ...model import Curve
 from ...model.announcement import announce, collected
 from ...system import System
 from ...system.cached import once
-from ...system.curves.curve_derivatives import calls_of, curves_of, entries_of, stored, values_of_elements
+from ...system.curves.curve_derivatives import calls_of, entries_of, tables_of, values_of_elements
 from ...system.structure.population import Population
 
 ROUND_OFF = np.finfo(float).eps ** 0.5  # of the range of a table: its tangent changes nothing there
+OF_TABLE = (
+    "its table ends at",
+    "Extend the table, or make it periodic, as by Curve.table(pairs, periodic=True).",
+)
+
+
+class _Range(NamedTuple):
+    """The range of an argument of an element, with the texts of a message before and after its values."""
+
+    argument: int
+    element: int
+    low: float
+    high: float
+    ends: str
+    remedy: str
 
 
 class _Tables(NamedTuple):
-    """The arguments of curves in the recorded formulas of a kind of element, and the tables among the curves."""
+    """The arguments of curves and surfaces in the recorded formulas of a kind of element, and the ranges of tables."""
 
     population: Population
     graph: Graph
     arguments: list[Expression]
     order: list[int]
-    tables: list[tuple[int, int, Curve]]  # of which argument, of which element
+    ranges: list[_Range]
 
 
 def announce_left_tables(system: System, b: Array, t: Array, q: Array, v: Array, memory: Array) -> None:
@@ -54,31 +70,40 @@ def _messages(
     own: _Tables, b: Array, memory: Mapping[int, Any], motion: Mapping[str, Array]
 ) -> Iterator[str]:
     values = values_of_elements(own.population, own.graph, own.arguments, own.order, b, memory, motion)
-    for argument, k, table in own.tables:
-        low, high, x = table.pairs[0][0], table.pairs[-1][0], values[argument, k]
+    for argument, k, low, high, ends, remedy in own.ranges:
+        x = values[argument, k]
         outside = np.flatnonzero(abs(x - 0.5 * (low + high)) > (0.5 + ROUND_OFF) * (high - low))
-        about = f"{own.population.owners[k]}: its table ends at {low:g} and {high:g}, but is used at "
+        about = f"{own.population.owners[k]}: {ends} {low:g} and {high:g}, but is used at "
         if len(outside) and not any(message.startswith(about) for message in collected()):
             first = outside[0]
             yield (
-                f"{about}{x[first]:.6g} at t = {motion['t'][first]:.6g} s, continued by its tangent. Extend the "
-                "table, or make it periodic, as by Curve.table(pairs, periodic=True)."
+                f"{about}{x[first]:.6g} at t = {motion['t'][first]:.6g} s, continued by its tangent. {remedy}"
             )
 
 
 def _tables_of(p: Population) -> Iterator[_Tables]:
-    """The tables of a population, if it has any."""
-    places = {place for _, place in curves_of(p.kind)} if p.kind.family else set()
-    laws = {(place, k): stored(p, k, place) for place in places for k in range(p.count)}
-    laws = {at: x for at, x in laws.items() if isinstance(x, Curve) and x.pairs and not x.periodic}
-    if laws:
-        graph, _, entries = entries_of(p.variant, "Phi" if p.kind.rows else "Q")
-        calls = [(place, x) for _, place, x in calls_of(graph, entries)]
-        tables = [
-            (n, k, laws[place, k])
-            for n, (place, _) in enumerate(calls)
-            for k in range(p.count)
-            if (place, k) in laws
-        ]
-        arguments = [x for _, x in calls]
-        yield _Tables(p, graph, arguments, needed(graph, arguments), tables)
+    """The tables and surfaces of a population, if it has any."""
+    curves, surfaces = ({place: m for m, place in tables_of(p.kind, field)} for field in ("Curve", "Surface"))
+    if not p.kind.family or not (curves or surfaces):
+        return
+    graph, _, entries = entries_of(p.variant, "Phi" if p.kind.rows else "Q")
+    arguments: list[Expression] = []
+    ranges: list[_Range] = []
+    for _, place, x in calls_of(graph, entries):
+        for k, values in enumerate(p.values):
+            law = values[curves[place]]
+            if isinstance(law, Curve) and law.pairs and not law.periodic:
+                ranges.append(_Range(len(arguments), k, law.pairs[0][0], law.pairs[-1][0], *OF_TABLE))
+        arguments.append(x)
+    for node in (graph.nodes[n] for n in needed(graph, entries) if graph.nodes[n].op in ORDERS):
+        surface = surfaces[graph.nodes[node.args[0]].value[1]]
+        for axis, at in zip("xy", node.args[1:], strict=True):
+            for k, values in enumerate(p.values):
+                knots = getattr(values[surface], axis)
+                ends = f"its road ends at {axis} ="
+                ranges.append(
+                    _Range(len(arguments), k, float(knots[0]), float(knots[-1]), ends, "Extend its grid.")
+                )
+            arguments.append(Expression(graph, at))
+    if ranges:
+        yield _Tables(p, graph, arguments, needed(graph, arguments), ranges)

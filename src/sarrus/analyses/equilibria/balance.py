@@ -8,14 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import eigh
-from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...linalg.sparse_solver import SingularMatrix
 from ...model import SarrusError
 from ...system import System
-from ..dynamics.time_loop.initial_warnings import rank_changes
-from ..equations.block_matrix import PlacedMatrix, motion_matrix
+from ..dynamics.time_loop.nearness import rank_changes
+from ..equations.block_matrix import PRECISE, PlacedMatrix, motion_matrix
 from ..equations.length import lever, units
 from ..equations.minimum_norm import least_multipliers
 from ..equations.nullspace import NullSpace
@@ -52,7 +51,7 @@ def matrix_at(system: System, q: Array, t: float, b: Array, rows: Array | None) 
     for name in ("M", "Phi_q"):
         matrix.numbers.evaluate((name,), b, {"t": t, "q": q})
     try:
-        matrix.choose_pivots()
+        matrix.factor(PRECISE)
     except (SingularMatrix, ValueError):
         raise singular(system, t) from None
     return matrix
@@ -122,22 +121,31 @@ class Balance:
 
     Attributes
     ----------
+    space : of the constraint Jacobian
     Z : (nq, d) the free directions
     lam : (m,) the multipliers that balance the forces best
     g : (d,) the part of the forces along Z, that no constraint balances
     length : by which displacements are measured where they are added to rotations [m]
     """
 
-    def __init__(self, system: System, q: Array, t: float, b: Array, settled: Array | None = None) -> None:
+    def __init__(
+        self,
+        system: System,
+        q: Array,
+        t: float,
+        b: Array,
+        settled: Array | None = None,
+        length: float | None = None,
+    ) -> None:
         self.system, self.q, self.t, self.b = system, q, t, b
         J = system.Phi_q(q, t, b=b)
-        self.length = lever(system, q, J)
-        space = NullSpace(J, self.length)
+        self.length = length or lever(system, q, J)
+        self.space = space = NullSpace(J, self.length)
         self.rest = at_rest(system, q)
         self.Q = system.Q(q, self.rest, t, b=b)
         self.Z, self.share = space.Z, space.share
         self.lam = least_multipliers(system, space, J, q, b, self.Q)
-        self._lengths, self._follows = space.lengths, np.zeros((system.nq, 0))
+        self._follows = np.zeros((system.nq, 0))
         if settled is not None and len(settled):
             count = len(settled)
             Z, share = states_last(settled, self.Z, self.share)
@@ -147,12 +155,12 @@ class Balance:
     @cached_property
     def H(self) -> Array:
         """The constrained Hessian Zᵀ ((Φ_qᵀ lam)_q - Q_q) Z (d, d)."""
-        K = self.system.Phi_qT_lam_q(self.q, self.lam, self.t, b=self.b)
+        K = self.system.Phi_qT_lam_q(self.q, self.lam, self.t, b=self.b).toarray()
         operands: Any = {"q": self.q, "v": self.rest, "t": self.t, "b": self.b}
-        K = K - by_position(self.system, self.system.Q_q(**operands), self.system.Q_v(**operands))
+        K -= by_position(self.system, lambda name: getattr(self.system, name)(**operands))
         Z, S = self.Z, self._follows
-        through = np.linalg.solve(S.T @ (K @ S), S.T @ (K @ Z))
-        return np.asarray(Z.T @ (K @ (Z - S @ through)))
+        moved = Z - S @ np.linalg.solve(S.T @ (K @ S), S.T @ (K @ Z)) if S.size else Z
+        return np.asarray(Z.T @ (K @ moved))
 
     @cached_property
     def W(self) -> Array:
@@ -187,19 +195,20 @@ class Balance:
         return float(abs(self.share.T @ self.g).max(initial=0.0))
 
     @cached_property
-    def stiffness_terms(self) -> csr_array:
+    def stiffness_terms(self) -> Array:
         """(Φ_qᵀ lam)_q - Q_q with all elements' contributions taken by their absolute values (nq, nq)."""
+        operands: Any = {"q": self.q, "v": self.rest, "t": self.t, "b": self.b}
         terms = self.system.magnitude("Phi_qT_lam_q", q=self.q, lam=self.lam, t=self.t, b=self.b)
-        by_q, by_v = (
-            self.system.magnitude(name, q=self.q, v=self.rest, t=self.t, b=self.b) for name in ("Q_q", "Q_v")
-        )
-        return terms + by_position(self.system, by_q, by_v)
+        forces = by_position(self.system, lambda name: self.system.magnitude(name, **operands))
+        return np.asarray(terms.toarray() + forces)
 
-    def _stiffness_round_off(self) -> csr_array:
+    def _stiffness_round_off(self) -> Array:
         """Return the round-off of H, from its terms and from that of the multipliers."""
         force = float((units(self.system.nq, self.length) * self.force_terms).max(initial=0.0))
-        terms = self.system.magnitude("Phi_qT_lam_q", q=self.q, lam=force / self._lengths, t=self.t, b=self.b)
-        return csr_array(NEUTRAL * self.stiffness_terms + RESOLVED * terms)
+        terms = self.system.magnitude(
+            "Phi_qT_lam_q", q=self.q, lam=force / self.space.lengths, t=self.t, b=self.b
+        )
+        return np.asarray(NEUTRAL * self.stiffness_terms + RESOLVED * terms.toarray())
 
     @cached_property
     def force_terms(self) -> Array:
@@ -226,5 +235,7 @@ class Balance:
         allowed = BALANCED * np.maximum(forces, changes)  # of states each rate; of bodies, the largest force
         force, change = (float(x[:moving].max(initial=0.0)) for x in (forces, changes))
         allowed[:moving] = max(BALANCED * force, FINISHED * change)
+        noise = RESOLVED * abs(self.Z).max(axis=0, initial=0.0) * self.force_terms.sum()  # of g, by that of Z
+        allowed = np.maximum(allowed, unit * (abs(self.share.T) @ noise))
         places_of_rates = np.concatenate([np.arange(moving), places(self.system)])
         return bool(np.all(unbalanced[places_of_rates] <= allowed[places_of_rates]))

@@ -73,7 +73,7 @@ def chosen(system: System, q: Array, t: float, b: Array) -> tuple[str, ...]:
     Z = np.linalg.qr(Z / scale[:, None])[0] if Z.shape[1] else Z
     for names, rows in zip((joints.names, bodies), gradients, strict=True):
         along = rows * scale @ Z
-        best = pivoted_rows(along)
+        best = pivoted_rows(along, np.linalg.norm(rows * scale, axis=1))
         chosen_names += [names[k] for k in best]
         if len(best):
             Z = Z @ np.linalg.svd(along[best])[2][len(best) :].T

@@ -61,9 +61,10 @@ class SettledDerivatives(AssemblyDerivatives):
         return numbers
 
     def _position_block(self, numbers: Numbers, J: csr_array) -> SaddlePointSystem:
-        system, matrix = self._system, self._system.matrix
-        K, Q_q, Q_v = (matrix(name, numbers.views[name]) for name in ("Phi_qT_lam_q", "Q_q", "Q_v"))
-        A = csr_array(K - by_position(system, Q_q, Q_v))
+        def matrix(name: str) -> csr_array:
+            return self._system.matrix(name, numbers.views[name])
+
+        A = csr_array(matrix("Phi_qT_lam_q").toarray() - by_position(self._system, matrix))
         return SaddlePointSystem(self._determined(A, J), J, self._request.weight)
 
     def _determined(self, A: csr_array, J: csr_array) -> csr_array:
@@ -86,6 +87,15 @@ class SettledDerivatives(AssemblyDerivatives):
         """The forces in the equilibrium."""
         system = self._system
         return Balance(system, self._unknowns, self._request.t, system.b)
+
+    def with_constraints(self, g: Array) -> tuple[Array, Array]:
+        """The change of q and λ where drivers change Φ, so that Φ_q q' = g (m,)."""
+        none = np.zeros(self._system.nq)
+        return self._position.solve(none, g, none)
+
+    def adjoint_variables(self, q_bar: Array) -> tuple[Array, Array]:
+        """The adjoint variables of both conditions, of what has this gradient by q."""
+        return self._position.transposed(q_bar)[:2]
 
     def _with_states(self, q_dot: Array, dv: Array) -> tuple[Array, Array]:
         states = places(self._system)
@@ -126,18 +136,18 @@ class Addresses(np.ndarray):
 
 
 class LastingFunction(Bound):
-    """A compiled function with fixed arguments, see `Bound`, of the kernels of a system; `data` owns them.
+    """A compiled function with fixed arguments, see `Bound`; `data` owns them.
 
     Attributes
     ----------
     fast : data without this, which numpy and Numba take faster
     """
 
-    def __init__(self, system: System, function: Callable[..., Any], *fixed: Any) -> None:
+    def __init__(self, function: Callable[..., Any], *fixed: Any) -> None:
         super().__init__(function, *fixed)
         self.fast: Array = self.data
         owner = Addresses(self.fast.shape, self.fast.dtype)  # with memory of its own: views refer to it
-        owner[:], owner.owned = self.fast, (system, fixed)
+        owner[:], owner.owned = self.fast, fixed
         self.data = owner
 
 

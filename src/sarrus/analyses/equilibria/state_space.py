@@ -30,7 +30,7 @@ from ..equations.minimum_norm import least_multipliers
 from ..equations.nullspace import NullSpace, pivoted_rows
 from ..equations.states_at_rest import places
 from ..position.coordinate_set import CoordinateSet, of_names
-from ..position.initial_state import PartialState, Start, meant, state_of
+from ..position.initial_state import PartialState, Start, consistent_state_of, meant
 from . import linear_loop as loop
 from .balance import TRUSTED, independent_at, input_changes, matrix_at, refuse_not_finite, unsolved
 from .independent_coordinates import chosen, of_joints
@@ -50,7 +50,6 @@ def linearize(
     coordinates: Sequence[str] | None = None,
     inputs: Sequence[str] | None = None,
     outputs: Sequence[str] | None = None,
-    strict: bool = False,
 ) -> StateSpace:
     """Linearize the equations of motion about a state: ẋ = A x + B u, y = C x + D u for small changes.
 
@@ -73,7 +72,6 @@ def linearize(
         ``["pin.angle", "cart.x"]``; by default coordinates of joints, and of bodies where these are not enough
     inputs : names of inputs of the model, by default all; an input that varies with time has its value at that time
     outputs : names of outputs, by default the coordinates
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -95,7 +93,7 @@ def linearize(
             CHECKS["variables"](word, listed)
     names = _inputs(system, inputs)
     q = meant(system, q)
-    state = state_of(system, q, v, t)
+    state = consistent_state_of(system, q, v, t)
     system = _with_numbers(system, names, state)
     solved, independent = _solved(system, state, coordinates, names, outputs is not None)
     start = q if isinstance(q, Assembly | Equilibrium) and v is None and state.t == q.t else None
@@ -169,8 +167,8 @@ def _solved(
     except DependentCoordinates as all_of_joints:
         if coordinates is not None:
             raise
-        freedom, names = plan.freedom(system), all_of_joints.independent
-    if len(names) < freedom:
+        freedom, refused, names = plan.freedom(system), names, all_of_joints.independent
+    if len(names) < freedom or names == refused:
         names = chosen(system, state.q, state.t, state.parameters(system))
     plan = plan_of(system, names, inputs)
     return plan.solved(system, state, whole), plan.independent
@@ -279,18 +277,17 @@ class Plan:
         SarrusError
             In a singular configuration.
         """
-        call = self.calls[whole] if self.calls else None
+        call, trust, dependent = self.calls[whole] if self.calls else None, -1.0, loop.FOUND
         if call is not None and not renewed:
             trust, dependent = call.function(call.fast, PRECISE, b, t, q, v, *others)
-            if trust > PRECISE and dependent == loop.FOUND and not self._wrong_count:
-                return
-        refuse_not_finite(q=q, v=v, t=t)
-        self._renew(system, b, t, q)
-        assert self.calls is not None
-        trust, dependent = self.calls[whole](TRUSTED, b, t, q, v, *others)
-        if not trust > TRUSTED:
-            raise unsolved(system, t, trust)
-        self._wrong_count = len(self._labels[0]) != self.freedom(system)
+        if not trust > PRECISE:
+            refuse_not_finite(q=q, v=v, t=t)
+            self._renew(system, b, t, q)
+            assert self.calls is not None
+            trust, dependent = self.calls[whole](TRUSTED, b, t, q, v, *others)
+            if not trust > TRUSTED:
+                raise unsolved(system, t, trust)
+            self._wrong_count = len(self._labels[0]) != self.freedom(system)
         if dependent != loop.FOUND or self._wrong_count:
             self._refuse(system, q, dependent)
 
@@ -299,10 +296,10 @@ class Plan:
         rows = independent_at(system, q, t)
         self._redundant = rows is not None
         self._matrix = motion_arrays(matrix_at(system, q, t, b, rows))
-        self.calls = self._bind(system, self._entries, self._work, self._matrix, *self._own)
+        self.calls = self._bind(self._entries, self._work, self._matrix, *self._own)
 
-    def _bind(self, system: System, *arguments: Any) -> tuple[LastingFunction, LastingFunction]:
-        without, whole = (LastingFunction(system, linearized, *arguments, motion) for motion in (False, True))
+    def _bind(self, *arguments: Any) -> tuple[LastingFunction, LastingFunction]:
+        without, whole = (LastingFunction(linearized, *arguments, motion) for motion in (False, True))
         return without, whole
 
     def freedom(self, system: System) -> int:

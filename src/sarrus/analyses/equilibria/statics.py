@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ...algebra import Array
@@ -14,6 +12,7 @@ from ...results.equilibrium import Stability
 from ...system import System
 from ..arguments import refuse_other_system
 from ..driven.steps import coordinate_scale
+from ..equations.length import lever
 from ..equations.nullspace import refuse_missing_inertia
 from ..equations.projection import largest, onto
 from ..equations.states_at_rest import following, places, settled_states, sizes, undetermined, with_states
@@ -32,6 +31,8 @@ FIRST = 0.15  # of the longest step
 POOR, GOOD = 0.2, 0.8
 PUSH = 1e-6  # displacement along an unstable direction, in parts of the model's size
 TINY = 1e-300
+# Rounds of the search for the damping of a step, and what it looks at in each: in the end round-off of the range
+ROUNDS, SHARES = 8, np.linspace(0.0, 1.0, 65)
 SHARE = 1e-10  # of the force: what along a neutral direction is round-off
 
 
@@ -45,7 +46,6 @@ def equilibrium(
     stable: bool = True,
     iterations: int = 500,
     longest: float = LONGEST,
-    strict: bool = False,
 ) -> Equilibrium:
     """Find a static equilibrium.
 
@@ -65,7 +65,6 @@ def equilibrium(
         position, with as many steps for all repetitions together
     longest : largest change of a coordinate in one step, in parts of the model's size; with a smaller one the search
         stays closer to the way downhill, and does not leap over a nearer equilibrium
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -90,6 +89,7 @@ class _Search:
     def __init__(self, system: System, start: PartialState, longest: float) -> None:
         self.system, self.t, self.b = system, start.t, start.parameters(system)
         self.scale = coordinate_scale(system, start.q)
+        self.length = lever(system, start.q, system.Phi_q(start.q, self.t, b=self.b))
         joints = system.joint_coordinates
         self.angles = joints.with_revolutions(joints.Phi(start.q), start.revolutions)
         self.longest, self.radius, self.settled = longest, FIRST * longest, places(system)[:0]
@@ -105,8 +105,8 @@ class _Search:
         if len(self.settled):
             q_settled = settled_states(self.system, q, self.t, self.b, self.settled)
             if q_settled is not None:
-                return Balance(self.system, q_settled, self.t, self.b, self.settled)
-        return Balance(self.system, q, self.t, self.b)
+                return Balance(self.system, q_settled, self.t, self.b, self.settled, self.length)
+        return Balance(self.system, q, self.t, self.b, length=self.length)
 
     def run(self, q: Array, stable: bool, iterations: int) -> Equilibrium:
         """Return the equilibrium for the states that follow the position at first, or for those that do on the way.
@@ -195,7 +195,7 @@ class _Search:
         return None
 
     def _moved(self, now: Balance, step: Array) -> Balance | None:
-        q, reached = onto(self.system, now.q + step, self.t, b=self.b)
+        q, reached = onto(self.system, now.q + step, self.t, b=self.b, length=self.length)
         if not reached or largest((q - now.q) / self.scale) >= 2 * self.longest:
             return None
         there = self.at(q)
@@ -223,8 +223,7 @@ class _Search:
 
     def _crossing(self, now: Balance) -> str:
         """Return the addition to the message where the constraints lose rank, and not all motions are finite."""
-        kind = mobility(self.system, now.q, t=self.t).kind
-        if kind not in ("branching", "shaky"):
+        if now.space.regular or mobility(self.system, now.q, t=self.t).kind not in ("branching", "shaky"):
             return ""
         return "; the constraints lose rank here, so that not all of these motions are finite"
 
@@ -316,21 +315,24 @@ def _drifts(now: Balance) -> bool:
 
 
 def _bent(now: Balance, scale: Array, radius: float) -> Array:
-    """Bisection for σ on a logarithmic scale."""
-    squares, share = now.spectrum.squares, _shaken(now, scale)
+    """Search for σ on a logarithmic scale, many values at a time."""
+    squares, share, modes = now.spectrum.squares, _shaken(now, scale)[:, None], now.Z @ now.spectrum.vectors
+    scaled = modes / scale[:, None]
     top = float(abs(squares).max(initial=0.0)) or 1.0
-    floor = max(0.0, -squares.min(initial=0.0))
+    stiffness = (squares + max(0.0, -squares.min(initial=0.0)))[:, None]
 
-    def step(sigma: float) -> Array:
-        return np.asarray(now.Z @ (now.spectrum.vectors @ (share / (squares + floor + sigma))))
+    def sizes(sigma: Array | float) -> Array:
+        return np.asarray(abs(scaled @ (share / (stiffness + sigma))).max(axis=0, initial=0.0))
 
     low, high = 1e-14 * top, top
-    while _size(step(high), scale) > radius:
+    while sizes(high)[0] > radius:
         high *= 10
-    for _ in range(60):
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if _size(step(middle), scale) > radius else (low, middle)
-    return step(high)
+    for _ in range(ROUNDS):
+        sigma = low * (high / low) ** SHARES
+        too_long = sizes(sigma) > radius
+        first = len(sigma) - 1 - int(np.argmax(too_long[::-1])) if too_long.any() else 0
+        low, high = sigma[first], sigma[min(first + 1, len(sigma) - 1)]
+    return np.asarray(modes @ (share / (stiffness + high)))[:, 0]
 
 
 def _shaken(now: Balance, scale: Array) -> Array:

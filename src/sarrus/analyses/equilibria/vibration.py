@@ -28,7 +28,7 @@ from ..equations.minimum_norm import least_multipliers
 from ..equations.nullspace import NullSpace, refuse_missing_inertia
 from ..equations.projection import largest
 from ..equations.states_at_rest import places, sizes, with_states, without_states
-from ..position.initial_state import PartialState, Start, state_of
+from ..position.initial_state import PartialState, Start, consistent_state_of
 from .balance import RESOLVED
 
 STEADY = 1e-6  # of the forces on a body before they cancel: what may accelerate it
@@ -135,7 +135,6 @@ def modes(
     *,
     t: float | None = None,
     turning: ArrayLike = (0.0, 0.0, 0.0),
-    strict: bool = False,
 ) -> Modes:
     """Compute the vibration modes about an equilibrium or a steady motion, with exact derivatives.
 
@@ -146,7 +145,6 @@ def modes(
         a `State`, which has its own velocities and time
     t : time [s]; by default that of the state, or 0
     turning : (3,) angular velocity in global axes of the observer to whom the motion looks steady [rad/s]
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -154,7 +152,7 @@ def modes(
         With ``success`` false and the reason in ``message``, if this is neither an equilibrium nor a steady motion.
     """
     refuse_other_system(system, "modes")
-    at, space = around(system, state_of(system, q, v, t))
+    at, space = around(system, consistent_state_of(system, q, v, t))
     linear, terms = reduced(system, at, space, np.asarray(turning, dtype=float)), terms_of(system, *at)
     changes = np.hstack([linear.Z, 0 * linear.W]), np.hstack([linear.P, linear.W])
     eigenvalues = terms.eigenvalues(linear.A, linear.M, *changes, system.moving)

@@ -205,5 +205,5 @@ class PivotedFunction:
         """Pass the present order of pivots to compiled code."""
         order = self._order
         equations = order.entries, order.work, order.arrays, left_out(order.system, order.rows)
-        self._bound = LastingFunction(order.system, self._marked, *equations, *self._fixed)
+        self._bound = LastingFunction(self._marked, *equations, *self._fixed)
         self._function, self._data, self._arrays = self._bound.function, self._bound.fast, order.arrays

@@ -98,7 +98,7 @@ class IndependentDynamics(CompiledFunction):
         CHECKS["variables"]("coordinates", coordinates)
         self._dynamics, self._system, self._lock = dynamics, system, Lock()
         self.inputs = tuple(name for name, u in system.inputs.items() if not u.driving and not u.varies)
-        independent, changes = of_names(system, coordinates), ParameterChanges.of(system, wrt)
+        independent, changes = of_names(system, tuple(coordinates)), ParameterChanges.of(system, wrt)
         changes.refuse_curves(system)
         self._changes, self.parameters = changes, changes.names
         by_b = np.hstack([input_changes(system, self.inputs), changes.b])

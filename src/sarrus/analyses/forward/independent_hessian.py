@@ -53,8 +53,8 @@ class HessianPlan(Plan):
         super().__init__(system, independent, changes, c_changes)
         self._more, self.of_multipliers = more, np.zeros(0)
 
-    def _bind(self, system: System, *arguments: Any) -> tuple[LastingFunction, LastingFunction]:
-        function = LastingFunction(system, loop.hessian, *arguments, *self._more)
+    def _bind(self, *arguments: Any) -> tuple[LastingFunction, LastingFunction]:
+        function = LastingFunction(loop.hessian, *arguments, *self._more)
         return function, function
 
     @property

@@ -22,7 +22,7 @@ from .independent_hessian import IndependentHessian
 
 
 @reports_warnings
-def state_hessian(plant: StateSpace, weights: Mapping[str, float], *, strict: bool = False) -> Array:
+def state_hessian(plant: StateSpace, weights: Mapping[str, float]) -> Array:
     """Compute the second derivatives of a weighted sum of rates of states and of outputs, by states and inputs.
 
     With ẋ = f(x, u) and y = g(x, u) in the independent coordinates of a linearization, the result is the Hessian of
@@ -33,7 +33,6 @@ def state_hessian(plant: StateSpace, weights: Mapping[str, float], *, strict: bo
     plant : from `linearize`
     weights : by name; a state means its rate, other names outputs of the linearization:
         ``{"pin.angle.rate": 1.0}`` is the Hessian of the angular acceleration
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ...algebra import Array
+from ...model.checks.arguments import Number
+from ...model.checks.calls import CallCheck
+from ...model.quantity import is_list
 from ..sensitivity.combined import Part
 
 
 @dataclass(frozen=True, eq=False)
-class Within:
+class Within(metaclass=CallCheck):
     """Constraint of an optimization: limits of a response; equal limits make an equation.
 
     Parameters
@@ -28,6 +32,9 @@ class Within:
     def __post_init__(self) -> None:
         if self.lower is None and self.upper is None:
             raise ValueError("constraint: it needs a lower or an upper limit. Give one.")
+        for name in ("lower", "upper"):
+            if (limit := getattr(self, name)) is not None:
+                Number(infinite=True)(f"{name} limit of a constraint", limit)
         if self.ends[0] > self.ends[1]:
             raise ValueError(
                 f"the limits of a constraint must rise, but are {self.lower:g} and {self.upper:g}. Exchange them."
@@ -47,20 +54,22 @@ class Within:
         return max((abs(end) for end in self.ends if np.isfinite(end)), default=0.0) or 1.0
 
 
-def refuse_others(constraints: Sequence[Within]) -> tuple[Within, ...]:
-    """The constraints.
+def constraints_of(given: Within | Sequence[Within]) -> tuple[Within, ...]:
+    """The constraints of an option.
 
     Raises
     ------
     TypeError
         For something else among them.
     """
+    listed: Any = given
+    constraints: Sequence[object] = listed if is_list(listed) else [listed]
     for constraint in constraints:
         if not isinstance(constraint, Within):
             raise TypeError(
                 f"constraints: {constraint!r} is no constraint. Give Within(response, lower=..., upper=...)."
             )
-    return tuple(constraints)
+    return tuple(one for one in constraints if isinstance(one, Within))
 
 
 def excess(values: Array, constraints: Sequence[Within]) -> Array:

@@ -22,7 +22,7 @@ from ..sensitivity.parameters.design_start import DesignStart
 from ..sensitivity.responses.responses import Misfit
 from ..sensitivity.responses.undefined import refuse_infinite
 from .point import DesignError
-from .problem import Analysis, Problem
+from .problem import Analysis, Problem, refuse_unknown
 from .search import Bounds, Progress, Search, Variables, reporting
 from .solvers import Answer, in_words
 from .task import guarded, normalize, optimum_of
@@ -53,7 +53,6 @@ def fit(
     tolerance: float = 1e-10,
     progress: Progress | None = None,
     total_time_limit: float | None = None,
-    strict: bool = False,
     **settings: Any,
 ) -> Optimum:
     """Estimate parameters by fitting a simulation to measurements (least squares).
@@ -69,7 +68,6 @@ def fit(
     until : end of the simulation [s]; by default the last time of the measurements
     analysis : another analysis instead of a simulation, such as `Kinematics`, see `Problem`
     iterations, tolerance : limits of the solver
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -84,6 +82,7 @@ def fit(
     SarrusError
         If the initial estimate cannot be simulated.
     """
+    refuse_unknown(fit, settings)
     refuse_other_system(system, "fit", unset=bool(settings.get("controllers")))
     measured = _misfits(misfits)
     end = max(max(misfit.at) for misfit in measured) if until is None and analysis is None else until
@@ -96,7 +95,9 @@ def fit(
             f"{count} measured numbers cannot determine {size} parameters. Measure more, or fit fewer."
         )
     with collecting(), reporting(progress) as report:
-        search = Search(problem, Variables(problem.names, problem.x0, bounds, scale), (), report)
+        search = Search(
+            problem, Variables(problem.names, problem.x0, bounds, scale, problem.units), (), report
+        )
         squares = Squares(search, measured)
         answer = guarded(search, lambda: _answer(squares, iterations, tolerance))
         optimum = optimum_of(search, answer, gauss_newton=squares)

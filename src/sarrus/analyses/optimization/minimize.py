@@ -14,8 +14,8 @@ from ..arguments import refuse_other_system
 from ..position.initial_state import Start
 from ..sensitivity.combined import Part
 from ..sensitivity.parameters.design_start import DesignStart
-from .constraint import Within, refuse_others
-from .problem import Analysis, Problem
+from .constraint import Within, constraints_of
+from .problem import Analysis, Problem, refuse_unknown
 from .search import Bounds, Progress, Variables, reporting
 from .solvers import solver_of
 from .starts import optimum_from_many
@@ -46,7 +46,6 @@ def optimize(
     executor: Executor | None = None,
     progress: Progress | None = None,
     total_time_limit: float | None = None,
-    strict: bool = False,
     **settings: Any,
 ) -> Optimum:
     """Minimize a response over parameters or design variables, with exact gradients: of a motion or another analysis.
@@ -62,8 +61,9 @@ def optimize(
     until : end time of the simulation [s]
     analysis : another analysis instead of a simulation, such as `Statics` or `Vibration`, see `Problem`
     start : of every simulation, see `Problem`; by default the model's own state, assembled for every design
-    bounds : limits by name, ``{"spring.k": (1, 100), "spring.c": (0, None)}``; a name is one of a variable, or of a
-        part or vector as in `wrt`, whose variables have the same limits
+    bounds : limits by name, ``{"spring.k": (1, 100), "spring.c": (0, None)}``, or texts with units,
+        ``("1 N/m", "2 kN/m")``; a name is one of a variable, or of a part or vector as in `wrt`, whose variables have
+        the same limits
     constraints : responses that must stay within limits
     scale : typical sizes of the variables by name, by which they are divided; by default their values at the start
     design, formula : named design variables, and the function that computes parameters of the model from them
@@ -82,9 +82,7 @@ def optimize(
         is the limit of each simulation
     progress : called with the number of the simulation and the objective; True for lines on standard error,
         False for no output; by default a line on a terminal and in a notebook
-    settings : ``method``, ``rtol``, ``atol``, ``max_step``, ``events``, ``controllers``, ``memory`` and ``time_limit``,
-        see `Problem`
-    strict : raise the first warning as a `StrictError`
+    settings : ``method``, ``events``, ``controllers``, ``memory`` and ``time_limit``, see `Problem`
 
     Returns
     -------
@@ -100,8 +98,9 @@ def optimize(
     SarrusError
         If the first design cannot be simulated.
     """
+    refuse_unknown(optimize, settings)
     refuse_other_system(system, "optimize", unset=bool(settings.get("controllers")))
-    within = refuse_others([constraints] if isinstance(constraints, Within) else constraints)
+    within = constraints_of(constraints)
     solver_of(solver, bool(within))
     if not tolerance > 0 or iterations < 1:
         raise ValueError(
@@ -115,7 +114,7 @@ def optimize(
     problem = Problem(system, responses, wrt, until=until, **settings)
     problem.end_after(total_time_limit)
     task = Task(within, solver, iterations, tolerance, second_order)
-    variables = Variables(problem.names, problem.x0, bounds, scale)
+    variables = Variables(problem.names, problem.x0, bounds, scale, problem.units)
     if starts < 1:
         raise ValueError(f"starts must be 1 at least, but is {starts}. Give a whole number.")
     with reporting(progress) as report:

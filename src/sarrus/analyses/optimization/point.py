@@ -17,6 +17,7 @@ from ...results import Assembly, ErrorEstimate, Gradient, Segments, StepsTaken, 
 from ...system import System
 from ..dynamics import Event, simulate
 from ..dynamics.events.events import with_restitutions
+from ..dynamics.run_options import events_of
 from ..dynamics.stepping.stepper import RunFailure
 from ..position.assembly_derivatives import NoDerivative
 from ..sensitivity.accuracy.estimate import effects_of, estimated
@@ -25,8 +26,8 @@ from ..sensitivity.checkpoints import repeated_gradient
 from ..sensitivity.gradients import differentiated, own_parts
 from ..sensitivity.hessian import Curvature
 from ..sensitivity.long_run import recipe_with_steps
+from ..sensitivity.parameters.contradictions import refuse
 from ..sensitivity.parameters.parameters import Parameters
-from ..sensitivity.parameters.singular_start import refuse
 from ..sensitivity.responses.evaluation import Evaluation
 from ..sensitivity.responses.undefined import UndefinedResponse, refuse_undefined
 from ..sensitivity.run_chain import RunChain
@@ -100,7 +101,7 @@ class Point:
         problem = self.problem
         return simulate(
             self.system, self.start, **problem.settings, events=self.events, controllers=problem.controllers,
-            t_eval=times, store_steps=problem.memory is None, progress=progress,
+            t_eval=times, store="steps" if problem.memory is None else "samples", progress=progress,
         )  # fmt: skip
 
     @cached_property
@@ -134,8 +135,8 @@ class Point:
                 raise DesignError(str(error)) from None
 
     @property
-    def events(self) -> list[Event]:
-        """The events, with the restitutions of this design.
+    def events(self) -> list[Event | float]:
+        """The events, with the restitutions of this design, and breakpoints.
 
         Raises
         ------
@@ -143,7 +144,8 @@ class Point:
             If one is not between 0 and 1, where only bounds keep an optimizer.
         """
         try:
-            return with_restitutions(self.problem.events, self._restitutions)
+            events, breakpoints = events_of(self.problem.events)
+            return [*with_restitutions(events, self._restitutions), *breakpoints]
         except ValueError as error:
             raise DesignError(str(error)) from None
 

@@ -5,28 +5,32 @@ from __future__ import annotations
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
+from inspect import signature
 from typing import Any, TypeAlias, TypedDict
 
 import numpy as np
 
 from ...algebra import Array
-from ...defaults import ATOL
 from ...model import Model, SarrusError
 from ...model.announcement import collecting
-from ...model.checks.arguments import in_bytes, in_seconds
+from ...model.checks.arguments import checked
 from ...model.expansion.blueprint import blueprint
+from ...model.show import quote, suggest
 from ...results import ErrorEstimate, Gradient, Trajectory
 from ...system import System
-from ..dynamics import HHT, Event, GeneralizedAlpha, Radau
 from ..dynamics.events.events import restitutions_of
+from ..dynamics.former_options import FORMER, accepts_former_options
+from ..dynamics.integrators.differentiable import Differentiable
+from ..dynamics.run_options import Events, events_of, listed_events
 from ..dynamics.sampled.control import controlled, without_held
 from ..dynamics.sampled.controllers import Controller, controllers_of
 from ..position.assembly_derivatives import NoDerivative
 from ..position.initial_state import Start
 from ..progress import TimeLimit, duration, refuse_time_limit
 from ..sensitivity.combined import Composite, Part
+from ..sensitivity.gradients import is_solved
 from ..sensitivity.implicit.responses import ResponsesOfResult
-from ..sensitivity.implicit.results import is_solved, responses_of_result
+from ..sensitivity.implicit.results import responses_of_result
 from ..sensitivity.parameters.design_start import DesignStart
 from ..sensitivity.parameters.parameters import Design, Parameters
 from .point import DesignError, Point
@@ -41,11 +45,26 @@ Analysis: TypeAlias = Callable[[System], Any]
 class RunSettings(TypedDict):
     """The options of the simulations of all designs."""
 
-    method: HHT | GeneralizedAlpha | Radau | None
+    method: Differentiable | None
     until: float
-    rtol: float | None
-    atol: float | None
-    max_step: float
+
+
+SETTINGS = ("method", "events", "controllers", "memory", "time_limit")  # of a problem that searches take, too
+
+
+def refuse_unknown(function: Callable[..., Any], settings: Mapping[str, Any]) -> None:
+    """Refuse settings that a search does not have.
+
+    Raises
+    ------
+    TypeError
+    """
+    own = [name for name in signature(function).parameters if name != "settings"]
+    known = {*own, *SETTINGS, *(name for names in FORMER.values() for name in names)}
+    for name in settings:
+        if name not in known:
+            message = f"{function.__name__} has no argument {quote(name)}"
+            raise TypeError(f"{message}. {suggest(name, [*own, *SETTINGS])}")
 
 
 class Problem:
@@ -67,10 +86,11 @@ class Problem:
         assembled for every design
     design : values of named design variables at the start
     formula : the function that computes parameters of the model from them; differentiated exactly
-    method : `Radau` (the default), whose values have the least noise, `HHT`, or `GeneralizedAlpha`
-    rtol, atol, max_step : tolerances and longest step of the simulation
-    events : of the simulation; restitutions of impacts, ``stop.restitution``, may be design variables. A design whose
-        run lacks an event or a time of a response counts as one that cannot be simulated
+    method : `Radau` (the default), whose values have the least noise, `HHT`, or `GeneralizedAlpha`, with the tolerances
+        and lengths of its steps
+    events : of the simulation, and breakpoints, see `simulate`; restitutions of impacts, ``stop.restitution``, may be
+        design variables. A design whose run lacks an event or a time of a response counts as one that cannot be
+        simulated
     controllers : one sampled controller of the simulation, or several, see `simulate`; their gains are inputs, and the
         first sample is that of the start at which a design is assembled
     memory : for stored states and steps [bytes], see `sensitivity`; by default all steps are stored.
@@ -80,7 +100,7 @@ class Problem:
 
     Attributes
     ----------
-    names, units : of the design variables
+    names, units, table_units : of the design variables
     x0 : their values at the start (p,)
     titles : of the responses
 
@@ -97,6 +117,8 @@ class Problem:
 
     analysis: Analysis | None = None
 
+    @accepts_former_options
+    @checked
     def __init__(
         self,
         system: System,
@@ -108,11 +130,8 @@ class Problem:
         start: Start | DesignStart | None = None,
         design: Mapping[str, float] | None = None,
         formula: Design | None = None,
-        method: HHT | GeneralizedAlpha | Radau | None = None,
-        rtol: float | None = None,
-        atol: float | None = ATOL,
-        max_step: float = np.inf,
-        events: Event | Sequence[Event] = (),
+        method: Differentiable | None = None,
+        events: Events = (),
         controllers: Controller | Sequence[Controller] = (),
         memory: float | None = None,
         time_limit: float | None = None,
@@ -124,29 +143,30 @@ class Problem:
             )
         self.given, self.outer = responses, Composite(responses)
         self.design, self.formula = design, formula
-        until = 0.0 if until is None else float(in_seconds("until", until))
+        until = 0.0 if until is None else float(until)
         self.plain, controllers = system.model, controllers_of(controllers)
         if controllers:
             refuse_with_controllers(start, memory)
             begin = None if isinstance(start, DesignStart) else start
             system = controlled(system, begin, controllers, until, differentiated=True).system
         self.system = system
-        self.settings = RunSettings(method=method, until=until, rtol=rtol, atol=atol, max_step=max_step)
-        self.events = [events] if isinstance(events, Event) else list(events)
+        self.settings = RunSettings(method=method, until=until)
+        self.events = listed_events(events)
         self.controllers = controllers
-        self.time_limit, self.memory = time_limit, in_bytes("memory", memory)
-        self.restitutions = restitutions_of(self.events)
+        self.time_limit, self.memory = time_limit, memory
+        self.restitutions = restitutions_of(events_of(events)[0])
         self._parameters = Parameters(
             system, wrt, design=design, formula=formula, restitutions=self.restitutions
         )
         self.names, self.units = tuple(self._parameters.names), self._parameters.units
+        self.table_units = self._parameters.table_units
         self.x0: Array = self._parameters.values.copy()
         self.titles = self.outer.titles
         self._points: OrderedDict[bytes, Point] = OrderedDict()
         self.start_warnings: tuple[str, ...] = ()
         if analysis is None:
             self._begin(start, until)
-        elif start is not None or memory is not None or events or controllers or method is not None:
+        elif start is not None or memory is not None or self.events or controllers or method is not None:
             raise TypeError(
                 "Problem: start, events, controllers, method and memory are those of a simulation. Leave them out."
             )
@@ -383,7 +403,7 @@ class SolvedPoint(Point):
 
     def _with_derivatives(self) -> tuple[list[Array], list[Array]]:
         evaluation = self.evaluation()
-        return evaluation.signals, [self._known(slopes) for slopes in evaluation.signals_along()]
+        return evaluation.signals, [self._known(slopes) for slopes in evaluation.changes()]
 
     def curved(self, direction: Array, response: int = 0) -> Array:
         """Second derivatives, which are not known.

@@ -16,6 +16,7 @@ from ..._jit.linking.compilation import showing
 from ...activity import activity
 from ...algebra import Array
 from ...model.announcement import announce
+from ...model.checks.arguments import Number, in_si
 from ...model.quantity import is_list
 from ...model.show import suggest
 from ..progress import duration
@@ -79,6 +80,7 @@ class Variables:
     names, x0 : of the variables, and where they start
     bounds : lower and upper limits by name, None for none; or one pair for each variable, as SciPy has them
     scale : sizes by name; by default the value at the start, or half of the range where that is 0, or 1
+    units : of the variables, for limits and sizes that are texts, "2 kN/m"
 
     Raises
     ------
@@ -87,7 +89,12 @@ class Variables:
     """
 
     def __init__(
-        self, names: Sequence[str], x0: Array, bounds: Bounds | None, scale: Mapping[str, float] | None
+        self,
+        names: Sequence[str],
+        x0: Array,
+        bounds: Bounds | None,
+        scale: Mapping[str, float] | None,
+        units: Sequence[str] | None = None,
     ) -> None:
         self.names = tuple(names)
         if not names:
@@ -95,18 +102,19 @@ class Variables:
                 "wrt names no number that may change. Name at least one, or leave it out for all."
             )
         bounds, scale = _by_name(names, "bounds", bounds), _by_name(names, "scale", scale)
-        self.limits = np.array([_limit(name, bounds.get(name)) for name in names]).reshape(-1, 2)
+        unit_of = {name: unit or None for name, unit in zip(names, units or [""] * len(names), strict=True)}
+        self.limits = np.array([_limit(name, bounds.get(name), unit_of[name]) for name in names]).reshape(
+            -1, 2
+        )
         self.x0 = np.clip(x0, self.limits[:, 0], self.limits[:, 1])
         for name, value, used in zip(names, x0, self.x0, strict=True):
             if value != used:
                 about = f"{name}: its value {value:.6g} is outside of its bounds"
                 announce([f"{about}. The search starts at {used:.6g}."])
         self.scale = _scales(self.x0, self.limits)
-        for name, size in scale.items():
-            if not size > 0:
-                raise ValueError(
-                    f"the scale of {name} must be greater than 0, but is {size}. Give its typical size."
-                )
+        for name, given in scale.items():
+            what = f"the scale of {name}"
+            Number(positive=True)(what, size := in_si(what, given, unit_of[name]))
             self.scale[self.names.index(name)] = size
 
     @property
@@ -435,13 +443,17 @@ def _print(number: int, value: float) -> None:
     console.report(f"simulation {number}: objective {value:.9g}")
 
 
-def _limit(name: str, bounds: Any) -> tuple[float, float]:
+def _limit(name: str, bounds: Any, unit: str | None) -> tuple[float, float]:
     if bounds is not None and np.shape(bounds) != (2,):
         raise ValueError(
             f"the bounds of {name} are two numbers, but are {bounds}. Give (low, high), with None for none."
         )
-    low, high = bounds if bounds is not None else (None, None)
-    limits = -np.inf if low is None else float(low), np.inf if high is None else float(high)
+    ends = zip(bounds if bounds is not None else (None, None), (-np.inf, np.inf), strict=True)
+    what = f"a bound of {name}"
+    given = [none if end is None else in_si(what, end, unit) for end, none in ends]
+    for end in given:
+        Number(infinite=True)(what, end)
+    limits = float(given[0]), float(given[1])
     if not limits[0] < limits[1]:
         remedy = "Leave it out of the variables" if limits[0] == limits[1] else "Exchange them"
         raise ValueError(

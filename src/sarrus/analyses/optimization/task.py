@@ -197,6 +197,7 @@ def optimum_of(
         feasible=short <= near,
         failures=tuple(search.failures), seconds=time.perf_counter() - search.began,
         error=sum(errors) if errors else np.nan, unit=units.pop() if len(units) == 1 else "", units=problem.units,
+        table_units=problem.table_units,
         model=problem.model_of(point.system), run=point.motion(),
         warnings=(*problem.start_warnings, *point.run.warnings),
     )  # fmt: skip

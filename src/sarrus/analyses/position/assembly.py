@@ -71,7 +71,7 @@ def turned_over(system: System, q: Array) -> Iterator[str]:
     fixed = [joint for joint in system.model.joints if isinstance(joint, Fixed)]
     if not fixed:
         return
-    drawn, assembled = _poses(system, system.q0), _poses(system, q)
+    drawn, assembled = system.model.design_poses(), _poses(system, q)
     for joint in fixed:
         i, j = joint.frames(drawn)
         axes = zip((i.f, i.g, i.h), (j.f, j.g, j.h), strict=True)
@@ -103,7 +103,6 @@ def assemble(
     iterations: int = 200,
     restarts: int = 16,
     seed: int = 0,
-    strict: bool = False,
 ) -> Assembly:
     """Compute coordinates and velocities that satisfy the constraints, close to an initial estimate.
 
@@ -129,7 +128,7 @@ def assemble(
     fixed : names of bodies (``"frame"``) and coordinates (``"slider.x"``, ``"crank.e0"``) that keep their q and v
     rates : given velocities, in addition to the model's initial rates, which apply if `v` is not given: of
         coordinates [m/s, 1/s], or of angles [rad/s] and displacements [m/s] of joints, ``"pin"`` if the joint has
-        only one, else ``"sleeve.displacement"``, ``"hook.angle_i"``
+        only one, else ``"sleeve.displacement"``, ``"hook.angle_i"``; texts have units, ``"90 deg/s"``
     metric : the diagonal of W. "unit": 1 rad counts like a displacement by the root mean square of the model's
         dimensions, which are distances of joint points and ends of springs from the origins of their bodies, radii of
         rolling bodies, and distances of these origins, and of points on the ground, from their mean. "mass": masses and
@@ -140,7 +139,6 @@ def assemble(
     iterations : largest number of steps of one search
     restarts : largest number of further searches
     seed : of the random changes of the estimate
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -161,6 +159,8 @@ def assemble(
     inverse = np.where(held | followed, 0.0, 1 / weight)
     guess = Renormalization(inverse)(estimate)
     speed = _vector("v", system.v0 if v is None else v, system.nq)
+    rates = {**(system.model.rates if v is None else {}), **(rates or {})}
+    given_rates = Rates(system, rates)
     request = AssemblyRequest(
         guess,
         speed,
@@ -168,11 +168,10 @@ def assemble(
         weight * np.where(given_velocities(system, speed), 1.0, FREE),
         held,
         followed,
-        {**(system.model.rates if v is None else {}), **(rates or {})},
+        dict(zip(rates, given_rates.values.tolist(), strict=True)),
         float(t),
         isinstance(metric, str) and metric == "unit",
     )
-    given_rates = Rates(system, request.rates)
     memory = prescribed_memory(system, request.t, system.b)
     nominal, system = system, system.with_memory(memory)
     how = inverse, tolerance, iterations, restarts, seed

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...algebra import Array
-from ...euler import E, G
 from ...model.errors import listed
 from ...system import System
 from ..equations.length import extent
@@ -20,13 +19,14 @@ NEGLIGIBLE = 1e-9  # of the largest given velocity: smaller ones count as zero
 
 def position_changes(system: System, q: Array, assembled: Array) -> Iterator[str]:
     """Bodies whose position or orientation differs by more than `ACCURACY`, with both values."""
-    size = extent(system, q)
-    for name, (r, p), (r_new, p_new) in _poses(system, q, assembled):
-        if np.linalg.norm(r_new - r) > ACCURACY * size:
-            yield f"{name}: position {_vector(r)} became {_vector(r_new)} m"
-        turn = 2 * np.arcsin(min(1.0, float(np.linalg.norm(E(p) @ p_new))))
-        if turn > ACCURACY:
-            yield f"{name}: orientation changed by {np.degrees(turn):.4g} deg"
+    (r, p), (r_new, p_new) = _poses(system, q), _poses(system, assembled)
+    moved = np.linalg.norm(r_new - r, axis=1) > ACCURACY * extent(system, q)
+    turns = 2 * np.arcsin(np.minimum(1.0, np.linalg.norm(_times_G(p, p_new), axis=1)))
+    for k, name in enumerate(system.bodies):
+        if moved[k]:
+            yield f"{name}: position {_vector(r[k])} became {_vector(r_new[k])} m"
+        if turns[k] > ACCURACY:
+            yield f"{name}: orientation changed by {np.degrees(turns[k]):.4g} deg"
 
 
 def velocity_changes(
@@ -36,24 +36,18 @@ def velocity_changes(
 
     One of zero is compared with the largest that is given.
     """
-    states = zip(_poses(system, q, assembled_q), _poses(system, v, assembled_v), strict=True)
-    chosen = given_velocities(system, v).reshape(-1, 7)
-    kinds: tuple[list[tuple[str, Array, Array]], ...] = ([], [])
-    for ((name, (_, p), (_, p_new)), (_, (rd, pd), (rd_new, pd_new))), of_body in zip(
-        states, chosen, strict=False
-    ):
-        kinds[0].extend([(name, rd, rd_new)] * bool(of_body[0]))
-        kinds[1].extend([(name, 2 * (G(p) @ pd), 2 * (G(p_new) @ pd_new))] * bool(of_body[3]))
-    largest = [max((np.linalg.norm(before) for _, before, _ in bodies), default=0.0) for bodies in kinds]
-    size = extent(system, q)
+    (rd, omega), (rd_new, omega_new) = _rates(system, q, v), _rates(system, assembled_q, assembled_v)
+    given, size = given_velocities(system, v)[: system.moving].reshape(-1, 7), extent(system, q)
+    speeds = [np.linalg.norm(x, axis=1) for x in (rd, omega)]
+    largest = [speed[given[:, n]].max(initial=0.0) for speed, n in zip(speeds, (0, 3), strict=True)]
     scales = max(largest[0], size * largest[1]) * np.array([1, 1 / size])
-    for quantity, unit, scale, bodies in zip(
-        ("velocity", "angular velocity"), ("m/s", "rad/s"), scales, kinds, strict=True
-    ):
-        for name, before, new in bodies if scale else ():
-            speed = float(np.linalg.norm(before))
-            if np.linalg.norm(new - before) > ACCURACY * (speed if speed > NEGLIGIBLE * scale else scale):
-                yield f"{name}: {quantity} {_both(before, new)} {unit}"
+    rows = (("velocity", "m/s", 0, rd, rd_new), ("angular velocity", "rad/s", 3, omega, omega_new))
+    for (quantity, unit, n, before, new), speed, scale in zip(rows, speeds, scales, strict=True):
+        least = ACCURACY * np.where(speed > NEGLIGIBLE * scale, speed, scale)
+        changed = given[:, n] & (np.linalg.norm(new - before, axis=1) > least) & bool(scale)
+        for k, name in enumerate(system.bodies):
+            if changed[k]:
+                yield f"{name}: {quantity} {_both(before[k], new[k])} {unit}"
 
 
 def warning(system: System, changes: tuple[str, ...]) -> list[str]:
@@ -66,14 +60,21 @@ def warning(system: System, changes: tuple[str, ...]) -> list[str]:
     ]
 
 
-def _poses(
-    system: System, q: Array, assembled: Array
-) -> Iterator[tuple[str, tuple[Array, Array], tuple[Array, Array]]]:
-    """Position and Euler parameters of each body in two states, or their rates."""
-    old, new = (x[: system.moving].reshape(-1, 7) for x in (q, assembled))
-    rows = zip(system.bodies, old, new, strict=True)
-    for name, old, new in rows:
-        yield name, (old[:3], old[3:]), (new[:3], new[3:])
+def _poses(system: System, q: Array) -> tuple[Array, Array]:
+    """Positions (bodies, 3) and Euler parameters (bodies, 4), or their rates."""
+    rows = q[: system.moving].reshape(-1, 7)
+    return rows[:, :3], rows[:, 3:]
+
+
+def _rates(system: System, q: Array, v: Array) -> tuple[Array, Array]:
+    """Velocities, and angular velocities in body axes (bodies, 3)."""
+    (_, p), (rd, pd) = _poses(system, q), _poses(system, v)
+    return rd, 2 * _times_G(p, pd)
+
+
+def _times_G(p: Array, x: Array) -> Array:
+    """G(p) x for each body (bodies, 3)."""
+    return np.asarray(p[:, :1] * x[:, 1:] - x[:, :1] * p[:, 1:] - np.cross(p[:, 1:], x[:, 1:]))
 
 
 def _both(before: Array, new: Array) -> str:

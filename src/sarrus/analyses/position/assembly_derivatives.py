@@ -99,7 +99,8 @@ class AssemblyDerivatives:
         J = system.matrix("Phi_q", numbers.views["Phi_q"])
         self._position = self._position_block(numbers, J)
         request = self._request
-        self._velocity = _Block(request.weight_v, request.held_velocities, None, self._with_rates(J))
+        J = self.rates.below(J, assembly.q)
+        self._velocity = _Block(request.weight_v, request.held_velocities, None, J)
         self._join(numbers)
 
     def _position_block(self, numbers: Numbers, J: csr_array) -> PositionBlock:
@@ -122,9 +123,6 @@ class AssemblyDerivatives:
         for name, operator in ((BENT, "Phi_qT_lam_q"), (BENT_B, "Phi_qT_lam_b")):
             numbers.evaluate((operator,), system.b, at | {"lam": assembly.mu}, (name,))
         return numbers
-
-    def _with_rates(self, J: csr_array) -> csr_array:
-        return csr_array(vstack([J, self.rates.rows(self._assembly.q)])) if self._request.rates else J
 
     def _join(self, numbers: Numbers) -> None:
         """The right sides: of q and λ by the numbers, of v and μ by q and the numbers."""
@@ -231,39 +229,9 @@ class AssemblyDerivatives:
 
     def unchecked_along(self, db: Array, *, dq: Array, dv: Array, dc: Array | None) -> tuple[Array, Array]:
         """Return the derivative as `along` does, without the check that equations do not contradict each other."""
-        q_dot, dv = self._with_states(self.position_along(db, dq), dv)
+        q_dot, _ = self._position.solve(*self._parts(self._first @ db), dq + self.metric.along(db, dq)[0])
+        q_dot, dv = self._with_states(q_dot, dv)
         return q_dot, self._velocity_along(db, dq, dv, q_dot, dc)[0]
-
-    def position_along(self, db: Array, dq: Array) -> Array:
-        """Return the change of the unknowns of the conditions on q, without this check."""
-        return self._position.solve(*self._parts(self._first @ db), dq + self.metric.along(db, dq)[0])[0]
-
-    def closes(self, db: Array, dq: Array) -> Array:
-        """Return whether coordinates change with the parameters (len(system.b), k) and the estimate (k,)."""
-        held = np.where(self._request.held_positions[:, None], dq, 0.0)
-        J, opened = self._position.J, self._parts(self._first @ db)[1]
-        size = self._parts(self._first.sizes(db))[1] + abs(J) @ abs(held)
-        return np.asarray(np.any(abs(opened - J @ held) > NOISE * size.max(axis=0, initial=0.0), axis=0))
-
-    def gaps(self, db: Array, dq: Array, q_dot: Array) -> Array:
-        """Return how much changes q' of q violate linearized constraints (k,), over how much b and q₀ change them."""
-        J, opened = self._position.J, self._parts(self._first @ db)[1]
-        alone = opened - J @ np.where(self._request.held_positions[:, None], dq, 0.0)
-        gap, size = (abs(x).max(axis=0, initial=0.0) for x in (J @ q_dot - opened, alone))
-        return np.asarray(np.divide(gap, size, out=np.zeros(db.shape[1]), where=size > 0.0))
-
-    def bend(self, xi: Array) -> Array:
-        """Return second derivatives of q (nq, k) along motions with first derivatives ξ, for constant parameters."""
-        J_xi = np.stack(
-            [self._system.Phi_q_xi_q(self._assembly.q, x, self._request.t) @ x for x in xi.T], axis=1
-        )
-        return self._position.solve(np.zeros(xi.shape), -J_xi, np.zeros(xi.shape))[0]
-
-    def bend_of_motion(self) -> Array:
-        """Return the accelerations (nq,) of the motion with the assembled velocity and constant rates."""
-        q, v, none = self._assembly.q, self._assembly.v, np.zeros(self._system.nq)
-        J_xi = [self._system.Phi_q_xi_q(q, v, self._request.t) @ v, self.rates.rows_xi_q(q, v) @ v]
-        return self._velocity.solve(none, -np.concatenate(J_xi), none)[0]
 
     def _widest(self, gap: Array) -> int:
         """The joint equation with the largest gap."""

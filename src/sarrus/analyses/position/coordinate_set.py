@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +11,7 @@ from ...model.coordinates import WIDTH
 from ...outputs.measure import placed_of
 from ...outputs.output import Level, Output, find_output
 from ...system import System
+from ...system.cached import once
 from ...system.operators.joints import JointCoordinates
 
 
@@ -57,7 +57,10 @@ class CoordinateSet(NamedTuple):
         return names, rates, tuple(output.unit for output in self.outputs)
 
 
-def of_names(system: System, names: Sequence[str], where: str = "an independent coordinate") -> CoordinateSet:
+@once
+def of_names(
+    system: System, names: tuple[str, ...], where: str = "an independent coordinate"
+) -> CoordinateSet:
     """The coordinates of some names; `where` is what they are, for messages.
 
     Raises

@@ -14,8 +14,7 @@ from ...algebra import Array
 from ...linalg.rank import with_data
 from ...model import Model, ModelError, SarrusError
 from ...model.announcement import announce
-from ...model.checks.arguments import as_numbers
-from ...model.expression.quantity import quantity
+from ...model.checks.arguments import as_numbers, in_si
 from ...model.quantity import number
 from ...model.show import show
 from ...results import Assembly, AssemblyRequest, Equilibrium, State, Trajectory, load_run
@@ -157,7 +156,7 @@ def _saved(entries: Mapping[str, Any]) -> State:
 
 def _time(entries: Mapping[str, Any]) -> float:
     value = entries.get("t", 0.0)
-    return _quantity("t", value, "s") if isinstance(value, str) else number(value, "start: t")
+    return float(in_si("start: t", value, "s")) if isinstance(value, str) else number(value, "start: t")
 
 
 def _rate(system: System, name: str, value: Any) -> float:
@@ -167,16 +166,8 @@ def _rate(system: System, name: str, value: Any) -> float:
     except KeyError as wrong:
         raise ModelError(f"start: {wrong.args[0]}") from None
     if isinstance(value, str):
-        return _quantity(name, value, f"{unit}/s")
+        return float(in_si(f"start: {name}", value, f"{unit}/s"))
     return number(value, f"start: rates: {name}")
-
-
-def _quantity(name: str, text: str, unit: str) -> float:
-    """A text such as ``30 deg/s``."""
-    try:
-        return quantity(text, unit)
-    except ModelError as wrong:
-        raise ModelError(f"start: {name} {wrong.message}") from None
 
 
 class PartialState(NamedTuple):
@@ -277,7 +268,7 @@ def _consistent(system: System, state: Assembly | State, q: Array, v: Array | No
     """A start whose state was given, on the constraints."""
     assert v is not None
     if isinstance(state, Assembly):
-        start = state
+        start = replace(state, q=q, v=v)
     else:
         weight = metric(system, "unit", q)
         request = AssemblyRequest(
@@ -298,18 +289,59 @@ def _consistent(system: System, state: Assembly | State, q: Array, v: Array | No
     return replace(assembly, memory=start.memory, revolutions=start.revolutions)
 
 
-def contradicting(system: System, q: Array, v: Array, t: float) -> Array:
+Rows = tuple[csr_array, Array]  # the constraint Jacobian and the sizes of its rows
+
+
+def _rows(system: System, q: Array, t: float) -> Rows:
+    J = system.Phi_q(q, t)
+    return J, row_sizes(J, extent(system, q))
+
+
+def contradicting(system: System, q: Array, v: Array, t: float, rows: Rows | None = None) -> Array:
     """Whether a velocity violates a constraint by more than round-off and tolerances of solvers (m,)."""
-    return _contradicting(J := system.Phi_q(q, t), row_sizes(J, extent(system, q)), v, system.Phi_t(q, t))
-
-
-def _contradicting(J: csr_array, sizes: Array, v: Array, Phi_t: Array) -> Array:
+    (J, sizes), Phi_t = rows or _rows(system, q, t), system.Phi_t(q, t)
     largest = float(((with_data(J, abs(J.data)) @ abs(v) + abs(Phi_t)) / sizes).max(initial=0.0))
     return np.asarray(abs(J @ v + Phi_t) / sizes > CONSISTENT * largest)
 
 
+def violated(system: System, q: Array, v: Array, t: float) -> Array:
+    """Whether a state violates a constraint by more than round-off and tolerances of solvers (m,)."""
+    rows = _rows(system, q, t)
+    return np.asarray(off_in_position(system, q, t, rows) | contradicting(system, q, v, t, rows))
+
+
+def off_in_position(system: System, q: Array, t: float, rows: Rows | None = None) -> Array:
+    """Whether a position violates a constraint by more than round-off and tolerances of solvers (m,)."""
+    sizes = (rows or _rows(system, q, t))[1]
+    return np.asarray(abs(system.Phi(q, t)) / sizes > CONSISTENT)
+
+
 def is_off(system: System, q: Array, v: Array, t: float) -> bool:
     """Whether a state violates the constraints by more than round-off and tolerances of solvers."""
-    sizes = row_sizes(J := system.Phi_q(q, t), extent(system, q))
-    moved = abs(system.Phi(q, t)) / sizes
-    return bool(moved.max(initial=0.0) > CONSISTENT or _contradicting(J, sizes, v, system.Phi_t(q, t)).any())
+    return bool(violated(system, q, v, t).any())
+
+
+def consistent_state_of(
+    system: System, start: Start, v: ArrayLike | None = None, t: float | None = None
+) -> PartialState:
+    """The state that a start means, at rest if its velocities are unknown; see `state_of`.
+
+    Raises
+    ------
+    ModelError
+        If it violates the constraints.
+    """
+    state = state_of(system, start, v, t)
+    velocity = np.zeros(system.nq) if state.v is None else state.v
+    with_memory = system.with_memory(state.parameters(system)[system.memory_places])
+    if isinstance(start, Equilibrium):  # at rest, whatever the rates of drivers at its time
+        rows = off_in_position(with_memory, state.q, state.t)
+    else:
+        rows = violated(with_memory, state.q, velocity, state.t)
+    if rows.any():
+        names = ", ".join(system.row_names[n] for n in np.flatnonzero(rows)[:3])
+        raise ModelError(
+            f"{system.name}: at t = {state.t:g} s the given state violates the constraints {names}. "
+            "Pass sr.assemble(system, q, v, t=t), or what equilibrium returns."
+        )
+    return state._replace(v=velocity)

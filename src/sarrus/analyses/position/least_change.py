@@ -13,6 +13,7 @@ from ...linalg.kkt import KKT
 from ...linalg.minimum_step import MinimumStep
 from ...linalg.rank import divided, row_lengths
 from ...system import System
+from ...system.cached import once
 from ..equations.length import lever, row_sizes, scaled, unit_displacement, units
 from ..equations.projection import allowed
 
@@ -55,8 +56,7 @@ class FeasibleSearch:
     def __init__(self, system: System, inverse_weight: Array, t: float = 0.0) -> None:
         self.system, self.inverse_weight, self.t = system, inverse_weight, t
         self.renormalized = Renormalization(inverse_weight)
-        self.length = lever(system, system.q0, system.Phi_q(system.q0, t))
-        self.unit = unit_displacement(system, system.q0)
+        self.length, self.unit = lengths_of(system, t)
 
     def __call__(self, q: Array, tolerance: float, iterations: int) -> SearchEnd:
         at = self._at(self.renormalized(q), 0, tolerance)
@@ -95,6 +95,12 @@ class FeasibleSearch:
             if ratio > 0:
                 return there, strength
         return at, strength
+
+
+@once
+def lengths_of(system: System, t: float) -> tuple[float, float]:
+    """Lever and unit displacement in the model's position."""
+    return lever(system, system.q0, system.Phi_q(system.q0, t)), unit_displacement(system, system.q0)
 
 
 class Renormalization:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from math import tau
 from typing import Any, NamedTuple, TypeAlias
 
@@ -12,7 +14,7 @@ import numpy as np
 from ... import elements
 from ...algebra import Array
 from ...euler import A
-from ...model import AngleDriver
+from ...model import AngleDriver, ModelError
 from ...system import System
 from ...system.cached import once
 from ...system.structure.population import Population
@@ -69,7 +71,7 @@ class Prescription(NamedTuple):
 
     def _values(self, t: float) -> tuple[dict[Key, float], dict[Key, float]]:
         values, leaders = (
-            {key: scale * float(motion(t)) for key, scale, motion in self.motions},
+            {key: scale * motion(t) for key, scale, motion in self.motions},
             dict[Key, float](),
         )
         for _ in self.relations:
@@ -85,9 +87,8 @@ class Prescription(NamedTuple):
 
 def prescribed_memory(system: System, t: float, b: Array) -> Array:
     """Return the state variables of elements (k,); those of the parameters b without a driver."""
-    if not len(system.memory_places) or not (plan := prescription(system)).motions:
-        return np.asarray(b[system.memory_places])
-    values, parameters = plan.values(t), b.copy()
+    plan, parameters = prescription(system), b.copy()
+    values = plan.values(t)
     for place, start, joint, initial, sign in plan.followers:
         if joint in values:
             parameters[place] = start + sign * (values[joint] - initial)
@@ -134,9 +135,9 @@ def with_leaders(system: System, q: Array, t: float) -> System | None:
 def prescription(system: System) -> Prescription:
     """Return the quantities that drivers and couplings of a model prescribe."""
     motions, relations = [], []
-    for kind, bodies, x, _ in _members(system.populations):
+    for kind, bodies, x, _, owner in _members(system.populations):
         if kind in (elements.AngleDriver, elements.DisplacementDriver):
-            motions.append((_key(bodies, x), x["scale"], x["motion"]))
+            motions.append((_key(bodies, x), x["scale"], partial(_value, owner, x["motion"])))
         elif kind is elements.Screw:
             angle = (bodies, x["f_i"], x["g_i"], x["f_j"])
             displacement = (bodies, x["h_i"], x["s_i"], x["s_j"])
@@ -151,16 +152,33 @@ def prescription(system: System) -> Prescription:
         return Prescription((), (), (), ())
     joints = [
         (_key(bodies, x), x["reference"], row)
-        for kind, bodies, x, row in _members(system.joint_coordinates.populations)
+        for kind, bodies, x, row, _ in _members(system.joint_coordinates.populations)
         if kind is elements.Angle
     ]
     rows = tuple((row, key) for key, _, row in joints)
     return Prescription(tuple(motions), tuple(relations), rows, tuple(_followers(system, joints)))
 
 
+def _value(driver: str, motion: Callable[[float], float], t: float) -> float:
+    """The value of a motion at a time.
+
+    Raises
+    ------
+    ModelError
+        If it is not finite.
+    """
+    with suppress(ArithmeticError, ValueError, TypeError):  # a root of a negative number is a complex one
+        if np.isfinite(value := float(motion(t))):
+            return value
+    raise ModelError(
+        f"{driver}: its motion has no finite value at t = {t:.6g} s. Choose other times, or a motion that is smooth "
+        "there."
+    )
+
+
 def _followers(system: System, joints: list[tuple[Key, float, int]]) -> Iterator[Follower]:
     """Elements that remember an angle about the axis of a joint between the same bodies."""
-    for kind, bodies, x, place in _members(system.populations, "reference"):
+    for kind, bodies, x, place, _ in _members(system.populations, "reference"):
         if not {"f_i", "g_i", "f_j"} <= x.keys():
             continue
         key = (bodies[:2], x["f_i"], x["g_i"], x["f_j"])
@@ -201,8 +219,8 @@ def _pair(bodies: tuple[int, ...], x: dict[str, Any]) -> tuple[Key, Key]:
 
 def _members(
     populations: list[Population], field: str | None = None
-) -> Iterator[tuple[Any, tuple[int, ...], dict[str, Any], int]]:
-    """Return for each element its kind, first coordinates of its bodies (-1: ground), fields, and row."""
+) -> Iterator[tuple[Any, tuple[int, ...], dict[str, Any], int, str]]:
+    """Return for each element its kind, first coordinates of its bodies (-1: ground), fields, row, and part."""
     for p in populations:
         if field is not None and field not in p.kind.fields:
             continue
@@ -212,7 +230,7 @@ def _members(
             bodies = tuple(int(p.bodies[k][slot]) if slot >= 0 else -1 for slot in p.variant.slots)
             values = [tuple(map(float, v)) if np.ndim(v) else v for v in map(_plain, p.values[k])]
             place = int(p.rows[k]) if field is None else p.at + k * p.kind.size() + int(starts[field])
-            yield p.kind, bodies, dict(zip(names, values, strict=True)), place
+            yield p.kind, bodies, dict(zip(names, values, strict=True)), place, p.owners[k]
 
 
 def _plain(value: Any) -> Any:

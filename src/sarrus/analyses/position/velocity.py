@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
@@ -11,10 +13,11 @@ from scipy.sparse import csr_array, vstack
 from ...algebra import Array
 from ...linalg.kkt import KKT
 from ...linalg.rank import row_lengths
-from ...model.checks.arguments import Number, real
+from ...model.checks.arguments import Number, in_si, real
 from ...system import System
+from ...system.operators.joints import JointCoordinates
 from ..equations.length import lever, scaled, units
-from .coordinate_set import of_names
+from .coordinate_set import CoordinateSet, of_names
 
 FINITE = Number()
 SPEED_TOLERANCE = 1e-9  # of |Φ_q v + Φ_t|, relative to the equation's gradient and the largest velocity
@@ -33,30 +36,41 @@ class Velocity:
     allowed: Array
 
 
-def _finite(name: str, value: float) -> float:
-    """A given rate; text, nan and infinity are refused by its name.
+def _finite(name: str, value: Any, unit: str) -> float:
+    """A given rate in SI units; nan and infinity are refused by its name.
 
     Raises
     ------
     TypeError, ValueError
     """
     argument = f"rates: {name}"
-    FINITE(argument, value)
-    return real(argument, value)
+    found = in_si(argument, value, f"{unit}/s")
+    FINITE(argument, found)
+    return real(argument, found)
 
 
 class Rates:
     """The rows C(q) and the values of rates given by name, C(q) v = values."""
 
     def __init__(self, system: System, rates: Mapping[str, float]) -> None:
-        self._joints, self._coordinates = (
-            system.joint_coordinates,
-            of_names(system, tuple(rates), "a given rate"),
-        )
-        self.values = np.array([_finite(name, value) for name, value in rates.items()])
-        self._measured = self._coordinates.measured
+        self._system, self._names, self._joints = system, tuple(rates), system.joint_coordinates
+        self.values = np.zeros(0)
+        if rates:
+            units = self._coordinates.labels()[2]  # unknown names are refused
+            self.values = np.array([_finite(*one) for one in zip(rates, rates.values(), units, strict=True)])
+
+    @cached_property
+    def _coordinates(self) -> CoordinateSet:
+        return of_names(self._system, self._names, "a given rate")
+
+    @property
+    def _measured(self) -> JointCoordinates:
+        return self._coordinates.measured
+
+    @property
+    def _of_measured(self) -> Array:
         row = self._coordinates.row[:, None]
-        self._of_measured = np.where(row >= 0, row == np.arange(self._measured.m), 0.0)
+        return np.where(row >= 0, row == np.arange(self._measured.m), 0.0)
 
     @property
     def selection(self) -> Array:
@@ -75,9 +89,9 @@ class Rates:
         """(Cᵀν)_c (nq, len(c))."""
         return np.asarray(self._joints.Phi_qT_lam_b(q, nu @ self.selection).toarray())
 
-    def rows(self, q: Array) -> csr_array:
-        """C (number of rates, nq)."""
-        return csr_array(self._coordinates.gradients(q))
+    def below(self, J: csr_array, q: Array) -> csr_array:
+        """[J; C] (m + number of rates, nq)."""
+        return csr_array(vstack([J, csr_array(self._coordinates.gradients(q))])) if len(self.values) else J
 
     def rows_xi_q(self, q: Array, xi: Array) -> csr_array:
         """(C ξ)_q (number of rates, nq)."""
@@ -107,13 +121,14 @@ def assemble_velocity(
     Velocity
         `gap` (m + number of rates,) exceeds `allowed` where no such velocity exists.
     """
-    F, J = np.flatnonzero(free), csr_array(vstack([system.Phi_q(q, t), rates.rows(q)]))
+    F, Phi_q = np.flatnonzero(free), system.Phi_q(q, t)
+    J = rates.below(Phi_q, q)
     right = np.concatenate([-system.Phi_t(q, t), rates.values])
-    matrix = KKT(weight[F], csr_array(J[:, F]))
+    matrix = KKT(weight[F], J if np.all(free) else csr_array(J[:, F]))
     change, multipliers = matrix.solve(np.zeros(len(F)), right - J @ v)
     velocity = v.copy()
     velocity[F] += change
-    length = lever(system, q, csr_array(J[: system.m]))
+    length = lever(system, q, Phi_q)
     fastest = float((np.maximum(abs(velocity), abs(v)) / units(system.nq, length)).max(initial=0.0))
     allowed = SPEED_TOLERANCE * (row_lengths(scaled(J, length)) * max(fastest, SLOWEST) + abs(right))
     return Velocity(velocity, multipliers[: system.m], multipliers[system.m :], J @ velocity - right, allowed)

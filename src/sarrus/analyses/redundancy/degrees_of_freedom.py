@@ -84,7 +84,6 @@ def mobility(
     *,
     t: float | None = None,
     tolerance: float | None = None,
-    strict: bool = False,
 ) -> Mobility:
     """Compute the degrees of freedom, name redundant constraints, and test infinitesimal motions to second order.
 
@@ -99,7 +98,6 @@ def mobility(
     t : time [s]; by default that of the state, or 0
     tolerance : relative size of a singular value that counts as zero; by default 1e-8, and less, down to 1e-10, for
         more than 250 connected equations, because the smallest value of a chain of N links falls with 1/N²
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

@@ -7,7 +7,7 @@ of least norm, see `minimum_norm`, of all that give the same constraint forces Î
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from types import SimpleNamespace
 from typing import Any
@@ -74,7 +74,7 @@ class Independence:
     def _message(self, q: Array, t: float) -> str:
         near = rank_of(self.scaled_Phi_q(q, t), 2 * self.smallest, _components(self._system)).null
         sizes = abs(near - self._null @ (self._null.T @ near)).max(axis=1)
-        rows = np.flatnonzero((sizes > SHARE * sizes.max()) & ~self._fixed)
+        rows = sorted(named_rows(self._system, sizes))
         parts = [*dict.fromkeys(self._system.row_names[k].split(":")[0] for k in rows)]
         return (
             f"constraints of {listed(parts)} are nearly dependent at the start, with a smallest singular "
@@ -90,15 +90,15 @@ class Independence:
         self.rows = independent_rows(null, self._fixed)
         self._minimum = MinimumNorm(self._system, self.rows)
 
-    def state(self) -> Array:
+    def state(self) -> dict[str, Array]:
         """Return the data of the choice for `resume`."""
-        return self._null
+        return {"null": self._null}
 
-    def resume(self, null: Array) -> None:
+    def resume(self, state: Mapping[str, Array]) -> None:
         """Take over a choice made before."""
-        self._null, self._looked_at = null, None
-        if null.shape[1]:
-            self._choose(null)
+        self._null, self._looked_at = state["null"], None
+        if self._null.shape[1]:
+            self._choose(self._null)
 
     def renew(self, t: float, q: Array) -> bool:
         """Choose again at another position, if the choice is no longer good there; true if there is another choice.
@@ -173,6 +173,16 @@ class Independence:
                 f"{self._system.name} has redundant constraints that contradict each other as soon as it moves, "
                 f"first of all {row}; it is stuck in this position, or its velocity leaves the way that it can go"
             )
+
+
+def named_rows(system: System, sizes: Array) -> list[int]:
+    """The equations with the largest entries of combinations (m,), from the largest on.
+
+    Normalizations, which take part where a body rotates, only if there are no others.
+    """
+    own = np.where(normalizations(system), 0.0, sizes)
+    sizes = own if own.any() else sizes
+    return [int(n) for n in np.argsort(-sizes, kind="stable") if sizes[n] > SHARE * sizes.max()]
 
 
 @once_alike

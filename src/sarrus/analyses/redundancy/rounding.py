@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from ...algebra import Array
 from ...linalg.kkt import KKT
@@ -176,13 +175,19 @@ def _has_loops(system: System) -> bool:
         for body in (*bodies, *([-1] if p.kind.bodies > p.variant.moving else []))
         if owner
     }
-    joints, bodies = (
-        ({n: k for k, n in enumerate(dict.fromkeys(side))} for side in zip(*graph)) if graph else ({}, {})
-    )
-    places = [(joints[joint], len(joints) + bodies[body]) for joint, body in graph]
-    nodes = len(joints) + len(bodies)
-    edges = csr_array((np.ones(len(graph)), np.reshape(places, (-1, 2)).T), shape=(nodes, nodes))
-    return bool(graph) and len(graph) > nodes - connected_components(edges, directed=False)[0]
+    above = dict[Any, Any]()  # of each joint and body but the roots of trees, which grow with each edge
+
+    def root(node: Any) -> Any:
+        while node in above:
+            node = above[node]
+        return node
+
+    for edge in graph:
+        joint, body = map(root, edge)
+        if joint == body:
+            return True
+        above[joint] = body
+    return False
 
 
 def _motion(at: Closure, g: Array) -> Array:

@@ -2,8 +2,7 @@
 
 from ...model.deprecated import deprecated_function
 from ...outputs import Outputs
-from .checkpoints import simulated_gradient
-from .derivatives import sensitivity, state_derivatives
+from .derivatives import sensitivity, simulated_gradient, state_derivatives
 from .hessian import hessian, hessian_product
 from .responses.responses import At, AtEvent, Final, Integral, Maximum, Minimum, Misfit, Response
 

@@ -98,7 +98,7 @@ class Combined:
 
 
 class Composite:
-    """The requested responses as functions of the evaluated ones.
+    """The requested responses as functions of the evaluated ones, of which one that is part of several counts once.
 
     Parameters
     ----------
@@ -113,11 +113,11 @@ class Composite:
                 "responses: no response is asked for. Give one or several, such as Final('slider.x')."
             )
         groups = [one.parts() if isinstance(one, Combined) else [one] for one in self.asked]
-        self.parts = [part for group in groups for part in group]
+        distinct = {id(part): part for group in groups for part in group}
+        self.parts, place_of = [*distinct.values()], {part: n for n, part in enumerate(distinct)}
         self.titles = distinct_titles(one.title for one in self.asked)
         self._functions = [one if isinstance(one, Combined) else None for one in self.asked]
-        ends = np.cumsum([len(group) for group in groups])
-        self._places = [slice(end - len(group), end) for end, group in zip(ends, groups, strict=True)]
+        self._places = [np.array([place_of[id(part)] for part in group], dtype=int) for group in groups]
 
     def times(self) -> list[float]:
         """The given times at which outputs are taken [s]."""
@@ -157,7 +157,8 @@ class Composite:
             if function is None:
                 values[row], slopes[row, place] = parts[place][0], 1.0
             else:
-                values[row], slopes[row, place] = function.value_and_slopes(parts[place])
+                values[row], of_function = function.value_and_slopes(parts[place])
+                np.add.at(slopes[row], place, of_function)
         return values, slopes
 
     def errors(self, parts: Sequence[ErrorEstimate]) -> list[ErrorEstimate]:
@@ -170,7 +171,7 @@ class Composite:
 
     def gradient(self, of_parts: Gradient, system: System) -> Gradient:
         """The gradients of what is asked for, of those of the parts."""
-        if not any(self._functions):
+        if not any(self._functions) and len(self.parts) == len(self.asked):
             return of_parts
         values, slopes = self.linear(of_parts.values)
         return replace(
@@ -194,8 +195,8 @@ class Composite:
         times : the Hessian of a part times a direction
         """
         place = self._places[row]
-        slopes = self.linear(values)[1][row, place]
-        bends = [slope * times(place.start + n, direction) for n, slope in enumerate(slopes) if slope]
+        slopes = self.linear(values)[1][row]
+        bends = [slopes[n] * times(int(n), direction) for n in np.flatnonzero(slopes)]
         found, function = np.sum(bends, axis=0) if bends else np.zeros(len(direction)), self._functions[row]
         if function is not None:
             own = matrix()[place]

@@ -11,7 +11,7 @@ import numpy as np
 from ...activity import activity, for_seconds
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
-from ...model.announcement import announce, collecting, reports_warnings
+from ...model.announcement import collecting, reports_warnings
 from ...outputs import find_output
 from ...results import (
     Equilibrium,
@@ -25,6 +25,11 @@ from ...results import (
     Trajectory,
 )
 from ...system import System
+from ..dynamics import simulate
+from ..dynamics.former_options import accepts_former_options
+from ..dynamics.integrators.differentiable import Differentiable
+from ..dynamics.run_options import Events
+from ..position.initial_state import Start
 from ..progress import Progress
 from .chain.chain import Nodes
 from .checkpoints import repeated_gradient
@@ -34,15 +39,16 @@ from .gradients import (
     Wanted,
     differentiated,
     errors_of,
+    is_solved,
     refuse_failed,
     run_parameters,
     stored,
     within,
 )
-from .implicit.results import is_solved, responses_of_result
+from .implicit.results import responses_of_result
 from .long_run import repeated_recipe
+from .parameters.contradictions import refuse
 from .parameters.parameters import Design, Parameters
-from .parameters.singular_start import refuse, singular_start
 from .responses.evaluation import Evaluation
 from .responses.responses import Final
 from .responses.undefined import refuse_undefined
@@ -50,22 +56,20 @@ from .run_chain import RunChain
 from .sampling.consistent import ConsistentSampling
 from .sampling.reported import Reporter
 from .sampling.sampling import Sampling, apart
-from .sampling.segments import course_of, nodes_of
+from .sampling.segments import Instants, course_of, nodes_of
 from .steps.sweep_loop import NodeArrays
 
 METHODS = ("adjoint", "direct")
 
 
-def at_all_times(steps: StepsTaken | Segments) -> Sampling:
-    """The states at the ends of all steps, and on both sides of every event, at times that stay where they are.
+def at_all_times(steps: StepsTaken | Segments) -> Instants:
+    """The ends of all steps, and both sides of every event, as times that stay where they are.
 
     Only the end of a run moves with the event that ended it, as in a response at that time.
     """
-    if not isinstance(steps, Segments):
-        return Sampling(steps)
     where = nodes_of(course_of(steps))
     where.part[:-1] = np.nan
-    return Sampling(steps, where)
+    return where
 
 
 def reported_along(system: System, steps: StepsTaken | Segments, nodes: Nodes, b: Array) -> NodeArrays:
@@ -73,7 +77,7 @@ def reported_along(system: System, steps: StepsTaken | Segments, nodes: Nodes, b
     if not isinstance(steps, Segments) and not apart(steps):
         reported = Reporter(system, steps)
         return NodeArrays(nodes.q, nodes.v, nodes.a, reported.along(nodes, b, reported.times(nodes.shift)))
-    consistent = ConsistentSampling(system, steps, at_all_times(steps))
+    consistent = ConsistentSampling(system, steps, Sampling(steps, at_all_times(steps)))
     columns = [consistent.along(nodes, b[:, k : k + 1], k).found for k in range(b.shape[1])]
     return NodeArrays._make(np.concatenate(x, axis=2) for x in zip(*columns, strict=True))
 
@@ -92,7 +96,6 @@ def sensitivity(
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
     error: bool = False,
-    strict: bool = False,
 ) -> Gradient:
     """Compute the derivatives of responses of a result with respect to parameters.
 
@@ -101,7 +104,7 @@ def sensitivity(
 
     Parameters
     ----------
-    run : from ``simulate(..., store_steps=True)``, or from `simulate` with `memory`; from `kinematics`,
+    run : from ``simulate(..., store="steps")``, or from `simulate` with `memory`; from `kinematics`,
         `inverse_dynamics`, `equilibrium`, `modes` or `linearize`
     responses : one or several of `Final`, `At`, `Integral`, `Maximum`, `Minimum`, `Misfit`, `AtEvent`,
         `Combined`; formulas such as ``"max(slider.x) - min(slider.x)"``, in which an output without a reduction is its
@@ -119,7 +122,6 @@ def sensitivity(
     time_limit : limit in seconds, checked between these stages; a sweep is one compiled call, which cannot be
         interrupted. With `memory` it is checked after every few steps
     error : whether the errors of the responses are estimated, too (`Gradient.errors`, see `Trajectory.error`)
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -185,16 +187,18 @@ def _of_repeated(
 def error_estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
     """The errors of responses of a run with stored steps; see `Trajectory.error`."""
     with activity(for_seconds("estimating errors")):
-        return _estimates(run, responses)
+        (system, steps), outer = stored(run), Composite(responses)
+        parameters = run_parameters(run, system, steps.start, (), None, None)
+        evaluation = Evaluation(system, steps, outer.parts, parameters)
+        refuse_undefined((one.title for one in outer.parts), evaluation.values)
+        return errors_of(outer, evaluation, RunChain(system, steps, parameters.of_run))
 
 
-def _estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
+def response_values(run: Trajectory, responses: Wanted) -> Array:
+    """The values of responses of a run with stored steps (r,), without derivatives."""
     (system, steps), outer = stored(run), Composite(responses)
-    wanted = outer.parts
     parameters = run_parameters(run, system, steps.start, (), None, None)
-    evaluation = Evaluation(system, steps, wanted, parameters)
-    refuse_undefined((one.title for one in wanted), evaluation.values)
-    return errors_of(outer, evaluation, RunChain(system, steps, parameters.of_run))
+    return outer.values(Evaluation(system, steps, outer.parts, parameters).values)
 
 
 @reports_warnings
@@ -206,7 +210,6 @@ def state_derivatives(
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
     time_limit: float | None = None,
-    strict: bool = False,
 ) -> StateDerivatives:
     """Compute the derivatives of all states, and of any output, at the ends of the steps (direct method).
 
@@ -218,7 +221,6 @@ def state_derivatives(
     ----------
     run, wrt, design, formula : as for `sensitivity`
     time_limit : limit in seconds, checked before and after the sweep, which is one compiled call
-    strict : raise the first warning as a `StrictError`
     """
     system, steps = stored(run)
     if not wrt:
@@ -229,7 +231,6 @@ def state_derivatives(
         report(1)
         changes = parameters.along(np.eye(len(parameters.names)))
         chain = RunChain(system, steps, parameters.of_run)
-        announce(singular_start(parameters, steps.start, chain.assembly))
         found = chain.along(*changes)
         report(2)
         states = reported_along(system, steps, found, changes[0])
@@ -245,9 +246,21 @@ def _output_along(
     """Derivatives of an output along a run by all parameters (n, p), with those of its nodes."""
     whole = np.eye(len(parameters.names))
     b, _, _, c = parameters.along(whole)
-    response, there = Final(find_output(system, name).name), at_all_times(steps)
-    named = dict(zip(parameters.names, whole, strict=True))
-    (found,) = Evaluation(system, steps, [response], parameters, samplings=[there]).signals_along(
-        states, b, c, named
-    )
+    response, named = Final(find_output(system, name).name), dict(zip(parameters.names, whole, strict=True))
+    evaluation = Evaluation(system, steps, [response], parameters, where=[at_all_times(steps)])
+    (found,) = evaluation.signals_along(states, b, c, named)
     return found
+
+
+@accepts_former_options
+def simulated_gradient(
+    system: System, responses: Wanted, wrt: Sequence[str] | None = None, *, until: float, start: Start | None = None,
+    method: Differentiable | None = None, events: Events = (), memory: float = 100e6, **options: Any,
+) -> Gradient:  # fmt: skip
+    """Simulate and compute a gradient with limited memory: the former way to `sensitivity` of a run with `memory`.
+
+    `system`, `start`, `until`, `method` and `events` are those of `simulate`; `responses`, `wrt`, `memory` and
+    `options` those of `sensitivity`.
+    """
+    run = simulate(system, start, until=until, t_eval=[until], method=method, events=events)
+    return sensitivity(run, responses, wrt, memory=memory, **options)

@@ -10,20 +10,27 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from ...algebra import Array
-from ...model.announcement import announce
-from ...results import Assembly, ErrorEstimate, Gradient, Segments, StepsTaken, Trajectory
+from ...results import (
+    Assembly,
+    Equilibrium,
+    ErrorEstimate,
+    Gradient,
+    Modes,
+    Segments,
+    StateSpace,
+    StepsTaken,
+    Trajectory,
+)
 from ...system import System
 from ..arguments import kind
 from ..dynamics.error_goal import MISSED
 from ..dynamics.stepping.stepper import RunFailure
-from ..position.assembly_derivatives import AssemblyDerivatives
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.estimate import effects_of, estimated
 from .chain.chain import Gradients, Nodes, by_joints
 from .combined import Composite, Part
-from .implicit.results import is_solved
+from .parameters.contradictions import undefined
 from .parameters.parameters import Parameters
-from .parameters.singular_start import singular_start, undefined
 from .responses.evaluation import DirectTerms, Evaluation
 from .responses.responses import Response
 from .responses.undefined import refuse_undefined
@@ -54,9 +61,7 @@ def differentiated(
         matrix = along_parameters(chain, nodes, parameters, explicit, ~missing)
         adjoints += chain.adjoints(nodes) if error else []
     errors = estimated(responses, evaluation, effects_of(system, steps, adjoints)) if error else ()
-    return gradient_of(
-        responses, parameters, steps.start, chain.assembly, evaluation.values, matrix, missing, errors
-    )
+    return gradient_of(responses, parameters, evaluation.values, matrix, missing, errors)
 
 
 def errors_of(outer: Composite, evaluation: Evaluation, chain: RunChain) -> tuple[ErrorEstimate, ...]:
@@ -91,17 +96,24 @@ def own_parts(explicit: DirectTerms, parameters: Parameters) -> Array:
 
 
 def gradient_of(
-    responses: Sequence[Response], parameters: Parameters, start: Assembly, assembly: AssemblyDerivatives,
-    values: Array, matrix: Array, missing: Array, errors: Sequence[ErrorEstimate] = (),
+    responses: Sequence[Response], parameters: Parameters, values: Array, matrix: Array, missing: Array,
+    errors: Sequence[ErrorEstimate] = (),
 ) -> Gradient:  # fmt: skip
-    """The gradient of responses of a run from a start: NaN for the parameters that have no derivative."""
-    announce(singular_start(parameters, start, assembly, missing))
+    """The gradient of responses of a run: NaN for the parameters that have no derivative."""
     matrix[:, missing] = np.nan
     system = parameters.system
     return Gradient(
         tuple(one.title for one in responses), tuple(parameters.names), values, parameters.values, matrix,
         tuple(errors), response_units=tuple(one.unit(system) for one in responses), units=parameters.units,
+        table_units=parameters.table_units,
     )  # fmt: skip
+
+
+def is_solved(result: Any) -> bool:
+    """Whether this is a result that equations determine, and not a simulated run."""
+    if isinstance(result, Trajectory):
+        return result.analysis != "simulation"
+    return isinstance(result, Equilibrium | Modes | StateSpace)
 
 
 def refuse_failed(run: Any) -> None:
@@ -120,7 +132,7 @@ def refuse_failed(run: Any) -> None:
         )
     if not isinstance(run, Trajectory):
         raise TypeError(
-            f"derivatives need a run, got {kind(run)}. Give what simulate(system, ..., store_steps=True) returns."
+            f"derivatives need a run, got {kind(run)}. Give what simulate(system, ..., store='steps') returns."
         )
     if run.status == "singular configuration":
         t = float(run.steps.t[-1]) if run.steps else float(run.t[-1])
@@ -149,7 +161,7 @@ def stored(run: Any) -> tuple[System, StepsTaken | Segments]:
         )
     if run.system is None or run.steps is None or not len(run.steps):
         raise ValueError(
-            f"{run.name}: derivatives need the steps of the run. Call simulate(..., store_steps=True) with HHT(), "
+            f"{run.name}: derivatives need the steps of the run. Call simulate(..., store='steps') with HHT(), "
             "GeneralizedAlpha() or Radau(), or give sensitivity(..., memory=)."
         )
     return run.system, run.steps

@@ -25,12 +25,13 @@ from ..progress import Progress
 from .chain.chain import FIELDS, Nodes, SegmentChain, by_joints
 from .chain.curved_steps import AdjointChange, AdjointVariables, CurvedSteps, remembered
 from .combined import Composite, Part
+from .events.first_order import EventDerivatives
 from .events.second_order import EventAdjointChange, EventCurvature
 from .gradients import by_parameters, errors_of, run_parameters, stored, within
 from .lagrangians.changes import Change, change_at
 from .lagrangians.curves import CurveLagrangian
+from .parameters.contradictions import refuse
 from .parameters.parameters import Design, Parameters
-from .parameters.singular_start import refuse, singular_start
 from .responses.evaluation import Evaluation
 from .responses.undefined import refuse_undefined
 from .run_chain import BackSweep, RunChain, RunTangents
@@ -96,21 +97,21 @@ class CurvedBackSweep(BackSweep):
         self._curved, self._events, self._changes = curved, events, changes
         self.steps, self.event_steps = list[AdjointVariables](), list[Array]()
 
-    def through(self, p: int, bars: Array) -> Array:
-        """Gradients by all that an event depends on."""
-        found, solved = self._events[p].back(
-            bars[:, 0], self._changes.event_steps[p] if self._changes else None
-        )
+    def _through(self, event: EventDerivatives, bars: Array) -> Array:
+        p = len(self._events) - 1 - len(self.event_steps)
+        change = self._changes.event_steps[p] if self._changes else None
+        found, solved = self._events[p].back(bars[:, 0], change)
         self.event_steps.append(solved)
         return found[:, None]
 
     def _over_steps(self, chain: SegmentChain, nodes: Nodes, lead: StepsTaken | None) -> None:
         p = len(self._curved) - 1 - len(self.steps)
-        self._result = self._curved[p].back(nodes, self._changes.steps[p] if self._changes else None)
-        self.steps.append(self._result.solved)
+        change = self._changes.steps[p] if self._changes else None
+        self._first, solved = self._curved[p].back(nodes, change)
+        self.steps.append(solved)
 
     def _begin(self, chain: SegmentChain) -> None:
-        self._to_start(self._result.q, self._result.v, self._result.b)
+        self._to_start(*self._first)
 
 
 class Curvature:
@@ -150,7 +151,7 @@ class Curvature:
         Of gradients by the nodes, and those by the parameters that do not go through the nodes.
         """
         back = CurvedBackSweep(self._system, len(c), self._curved, self._event_steps, changes)
-        back.over(self._chains, nodes.copy(), len(self._event_steps), back.through)
+        self._chain.over(back, nodes.copy())
         b, c = b + back.b[:, 0], c + back.c[:, 0]
         of_assembly = self._of_assembly(changes) if changes else None
         assembly = self._assembly.adjoint(back.q[:, 0], back.v[:, 0], of_assembly)
@@ -186,24 +187,15 @@ class Curvature:
 
     def _changes(self, moved: RunChange, first: Adjoined) -> Changes:
         """The changes of all equations."""
-        system, steps, found, adjoint = (
-            self._system,
-            self._chains[0].steps,
-            self._chains[0].steps.start,
-            first.assembly,
-        )
-        turned = []
+        system, steps, adjoint, turned = self._system, self._chains[0].steps, first.assembly, []
+        found = steps.start
         for p, curved in enumerate(self._curved):
             own = moved.nodes.part(self._parts[p])
             shift = moved.nodes.shift[p] if self._chains[p].by_curves.width > len(moved.b) else np.zeros(0)
             b_dot = np.append(moved.b[:, 0], shift)
             turned.append(curved.turned(b_dot, own, moved.within.steps[p], first.steps[p]))
-        event_steps = [
-            one.change(solved, adjoined)
-            for one, solved, adjoined in zip(
-                self._event_steps, moved.within.event_steps, first.event_steps, strict=True
-            )
-        ]
+        events = zip(self._event_steps, moved.within.event_steps, first.event_steps, strict=True)
+        event_steps = [one.change(solved, adjoined) for one, solved, adjoined in events]
         b, b_dot, t = remembered(steps, 0), moved.b[:, 0], float(steps.t[0])
         q_dot, lam_dot, v_dot, mu_dot = (x[:, 0] for x in moved.assembly)
         rate = change_at(
@@ -246,7 +238,6 @@ def hessian_product(
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
     time_limit: float | None = None,
-    strict: bool = False,
 ) -> Product:
     """Compute the product of the Hessian of a response with a direction, in about two sweeps.
 
@@ -256,7 +247,6 @@ def hessian_product(
     direction : changes by name, three for a vector; others are zero
     wrt : names of the parameters; by default those of the direction
     time_limit : limit in seconds, checked before the sweeps, which are compiled calls
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -302,7 +292,6 @@ def hessian(
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
     error: bool = False,
-    strict: bool = False,
 ) -> Hessian:
     """Compute the second derivatives of a response with respect to parameters, exact for the computed steps.
 
@@ -313,7 +302,6 @@ def hessian(
     progress : True for a bar on standard error, or a function of the number of completed products
     time_limit : limit in seconds, checked after each product, whose sweeps are compiled calls
     error : whether the error of the value of the response is estimated, too (`Hessian.error`)
-    strict : raise the first warning as a `StrictError`
 
     Raises
     ------
@@ -337,18 +325,17 @@ def hessian(
     bar = errors[0] if errors else None
     names, units = tuple(parameters.names), parameters.units
     unit = outer.units(system)[0]
-    return Hessian(outer.titles[0], names, matrix, bar, response_unit=unit, units=units)
+    return Hessian(
+        outer.titles[0], names, matrix, bar, response_unit=unit, units=units, table_units=parameters.table_units,
+    )  # fmt: skip
 
 
 def _products(outer: Composite, chain: RunChain, evaluation: Evaluation, parameters: Parameters) -> Times:
     """The Hessian of a response in products, of the values and the gradients of its parts."""
     wanted = outer.parts
-    every = (
-        [evaluation]
-        if len(wanted) == 1
-        else [Evaluation(parameters.system, chain.steps, [one], parameters) for one in wanted]
-    )
-    curvatures = [Curvature(chain, own, parameters) for own in every]
+    several = len(wanted) > 1
+    own = [Evaluation(parameters.system, chain.steps, [one], parameters) for one in wanted if several]
+    curvatures = [Curvature(chain, one, parameters) for one in own or [evaluation]]
 
     def of_part(place: int, direction: Array) -> Array:
         return curvatures[place].times(direction)
@@ -361,12 +348,7 @@ def _products(outer: Composite, chain: RunChain, evaluation: Evaluation, paramet
 
 
 def _curvature(
-    run: Trajectory,
-    outer: Composite,
-    wrt: Sequence[str],
-    design: Any,
-    formula: Any,
-    error: bool = False,
+    run: Trajectory, outer: Composite, wrt: Sequence[str], design: Any, formula: Any, error: bool = False
 ) -> tuple[Times, Parameters, Sequence[ErrorEstimate]]:
     system, steps = stored(run)
     parameters = run_parameters(run, system, steps.start, wrt, design, formula)
@@ -376,5 +358,4 @@ def _curvature(
     refuse_undefined((one.title for one in wanted), evaluation.values)
     chain = RunChain(system, steps, parameters.of_run)
     errors = errors_of(outer, evaluation, chain) if error else ()
-    announce(singular_start(parameters, steps.start, chain.assembly))
     return _products(outer, chain, evaluation, parameters), parameters, errors

@@ -6,46 +6,48 @@ bit by bit. Events are not looked for again: where they were, and what the motio
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
-from ...defaults import ATOL
 from ...results import Assembly, EventStep, Segments, StepsTaken, Trajectory
 from ...results.motion.steps import first_of, last_of, led
 from ...system import System
-from ..dynamics.integrators.differentiable import differentiable
-from ..dynamics.recipe import Recipe, events_of
+from ..dynamics.events.events import CROWD
+from ..dynamics.integrators.differentiable import Differentiable, differentiable
+from ..dynamics.recipe import Recipe
+from ..dynamics.run_options import Events
 from ..dynamics.simulation import arguments_of
 from ..dynamics.stepping.nodes import Nodes
-from ..dynamics.stepping.stepper import KeepingStepper, RunFailure
-from ..dynamics.time_loop.time_loop import CROWD, TimeLoop
+from ..dynamics.stepping.stepper import KeepingStepper, RunFailure, arrays_of, below
+from ..dynamics.time_loop.switches import Cut
+from ..dynamics.time_loop.time_loop import Hit, TimeLoop
 from ..position.initial_state import start_of
-from .sampling.sampling import HIGH, LINEAR, LOW, late
-from .sampling.segments import Course
+from .sampling.sampling import HIGH, LOW
+from .sampling.segments import Course, Instants
 
 # Steps of an interval at first
 FIRST = 1600
 # What a step takes at the most, as multiples of the state's size: itself, twice; gradients for each response
 STEP, GRADIENT = 20, 10
-# Of `simulate`, on which steps depend, with their defaults
-OPTIONS: dict[str, Any] = {
-    "method": None, "rtol": None, "atol": ATOL, "max_step": np.inf, "first_step": None, "events": (),
-    "breakpoints": (), "corners": None,
-}  # fmt: skip
 OBJECTS = 2000  # bytes of an event, besides its numbers
+# The last steps before a checkpoint with nodes behind it about them, or an extreme between both; those that must be
+# known with these. Of methods of order two, of Radau
+LATE = {False: LOW - 2, True: HIGH - 2 - (HIGH - 2) // 2}
+LEAD = {False: LOW - 1, True: HIGH - 1}
 
 
-def recipe_with_steps(system: System, start: Assembly, until: float, **options: Any) -> Recipe:
-    """A run whose steps are stored, by some options of `simulate`."""
-    given = {**OPTIONS, **options}
-    given |= {"method": differentiable(given["method"]), "events": events_of(given["events"])}
-    stored = {"t_eval": [until], "dense_output": False, "store_steps": True, "max_steps": None}
-    return Recipe.of(system, start, {**given, **stored, "until": until})
+def recipe_with_steps(
+    system: System, start: Assembly, until: float, method: Differentiable | None = None, events: Events = ()
+) -> Recipe:
+    """A run whose steps are stored, but not its motion at any time, by options of `simulate`."""
+    given = {"until": until, "t_eval": [until], "method": differentiable(method), "events": events}
+    recipe = Recipe.of(system, start, {**given, "store": "steps", "limits": None})
+    return replace(recipe, plan=replace(recipe.plan, dense=False))
 
 
 def repeated_recipe(run: Trajectory) -> Recipe:
@@ -60,10 +62,10 @@ def repeated_recipe(run: Trajectory) -> Recipe:
     if system is None or arguments is None or arguments.get("controllers"):
         raise ValueError(
             f"{run.name}: memory= repeats a run of simulate, without controllers, in the process that computed it or "
-            "from its folder. Use simulate(..., store_steps=True)."
+            "from its folder. Use simulate(..., store='steps')."
         )
-    options = {name: arguments[name] for name in OPTIONS}
-    return recipe_with_steps(system, start_of(system, arguments["start"]), arguments["until"], **options)
+    begin, options = start_of(system, arguments["start"]), (arguments["method"], arguments["events"])
+    return recipe_with_steps(system, begin, arguments["until"], *options)
 
 
 class Place(NamedTuple):
@@ -96,16 +98,6 @@ class Checkpoint:
         return sum(x.nbytes for x in self.state.values()) + (self.lead.nbytes if self.lead else 0)
 
 
-class Restart(NamedTuple):
-    """A state from which the motion goes on, what elements remember there, and how long the first step is at most."""
-
-    t: float
-    q: Array
-    v: Array
-    memory: Array
-    longest: float
-
-
 @dataclass(frozen=True, eq=False)
 class Interval:
     """The steps of a run between two checkpoints.
@@ -115,12 +107,14 @@ class Interval:
     steps : `Segments` in a run with events, also where there is none between the checkpoints
     lead : the last steps before, see `Checkpoint`
     sampled : its steps, led by those between which states that depend on its nodes are interpolated, too
+    own : the steps of these in which this interval has samples
     first : number of events before
     """
 
     steps: StepsTaken | Segments
     lead: StepsTaken | None
     sampled: StepsTaken | Segments
+    own: slice
     first: int
 
 
@@ -142,7 +136,6 @@ class LongRun(TimeLoop):
     start : of the simulation
     precise, rtol : see `StepsTaken`
     course : the nodes, and the events that change velocities or end the run
-    late : the last steps before a checkpoint within which states depend on nodes behind it
 
     Raises
     ------
@@ -171,14 +164,14 @@ class LongRun(TimeLoop):
         self.rtol = float(recipe.settings.tolerances.rtol_q.max())
         self._lead: StepsTaken | None = None
         self._points: list[Checkpoint] = []
-        self._begins: list[Restart] = []
+        self._begins: list[tuple[Hit, Array]] = []
         self._times: list[list[Array]] = []
         self._place, self._count = Place(-1, 0), 0
         self.go(start)
         self._free_memory()
         times = self._times if self._place.step else self._times[:-1]  # an event may be at the very end
-        self.course = Course([np.concatenate(t) for t in times], self._event_steps)
-        self.late = late(HIGH if self.precise else LOW if self._event_steps else LINEAR)
+        self.course = Course([np.concatenate(t) for t in times], self.recording.event_steps)
+        self._counts = np.cumsum([0, *(len(t) - 1 for t in self.course.t)])
 
     def __len__(self) -> int:
         """Number of intervals."""
@@ -214,39 +207,50 @@ class LongRun(TimeLoop):
     def interval(self, n: int) -> Interval:
         """The steps between two checkpoints, taken again."""
         point, (first, step), (last, end) = self._points[n], self.begin(n), self.begin(n + 1)
-        self._resume_steps(point.state)
+        self.stepper.resume(below("method", point.state))
+        self.switches.resume(below("switches", point.state))
         segments = []
         for p in range(first, last + (end > 0)):
             if p > point.place.segment:
-                self._begin_again(self._begins[p])
+                self._begin_again(*self._begins[p])
             to = end if p == last else len(self.course.t[p]) - 1
             segments.append(self._again(to - (step if p == first else 0)))
-        return self.joined(segments, self.course.event_steps[first:last], self.lead(n), first)
-
-    def joined(
-        self,
-        segments: Sequence[StepsTaken],
-        event_steps: Sequence[EventStep],
-        lead: StepsTaken | None,
-        first: int,
-    ) -> Interval:
-        """An interval of its steps between events, of the events, and of the steps before it."""
-        known = lead if self.late else None
+        lead = self.lead(n)
+        before = self._number(Place(first, step)) - (len(lead) if lead else 0)  # steps of the run
+        own = slice(*(self._number(self._since(k)) - before for k in (n, n + 1)))
+        whole = led(lead, segments[0])
         if not self.course.event_steps:
-            return Interval(segments[0], lead, led(known, segments[0]), first)
-        until = float(segments[-1].t[-1])
-        steps = Segments(segments=tuple(segments), event_steps=tuple(event_steps), until=until)
-        return Interval(steps, lead, replace(steps, segments=(led(known, segments[0]), *segments[1:])), first)
+            return Interval(segments[0], lead, whole, own, first)
+        until, event_steps = float(segments[-1].t[-1]), tuple(self.course.event_steps[first:last])
+        steps = Segments(segments=tuple(segments), event_steps=event_steps, until=until)
+        return Interval(steps, lead, replace(steps, segments=(whole, *segments[1:])), own, first)
+
+    def _number(self, place: Place) -> int:
+        """The number of steps before a place."""
+        return int(self._counts[place.segment]) + place.step
+
+    def _since(self, n: int) -> Place:
+        """The first step with samples in an interval: about those of the last steps before it are nodes of it, too."""
+        place = self.begin(n)
+        return place._replace(step=max(place.step - LATE[self.precise], 0))
+
+    def holds(self, n: int, times: Instants) -> Array:
+        """Which times an interval has (nt,)."""
+        behind = []
+        for segment, step in (self._since(n), self._since(n + 1)):
+            since = self.course.t[segment][step] if step else -np.inf
+            behind.append((times.segment > segment) | ((times.segment == segment) & (times.t >= since)))
+        return np.asarray(behind[0] & ~behind[1])
 
     def lead(self, n: int) -> StepsTaken | None:
         """The last steps before an interval; None where it begins the run or follows an event."""
         return self._points[n].lead if self.begin(n).step else None
 
-    def _begin_again(self, begin: Restart) -> None:
-        """Start as the motion continued after an event."""
-        self.stepper.b[self.system.memory_places] = begin.memory
-        self.stepper.restart(begin.t, begin.q, begin.v, self.plan.until)
-        self.stepper.shorten(begin.longest)
+    def _begin_again(self, hit: Hit, memory: Array) -> None:
+        """Start as the motion continued after an event, with what elements remembered there."""
+        self.stepper.b[self.system.memory_places] = memory
+        self.stepper.restart(hit.t, hit.q, hit.v, self.plan.until)
+        self.stepper.shorten(hit.longest)
 
     def _again(self, count: int) -> StepsTaken:
         """The next steps, taken in the same portions as the first time, and up to the same corners.
@@ -258,27 +262,28 @@ class LongRun(TimeLoop):
         """
         taken = 0
         while taken < count:
-            ends = _ends(self._advance(self._stop())[0])
+            ends = _ends(super()._advance(self._stop())[0])
             if not len(ends) and self.stepper.t >= self.plan.until:
                 raise RunFailure(
                     "not repeated",
                     f"{self.system.name}: the steps between checkpoints were not the same a second time. Store all "
-                    "steps with store_steps=True, and use sensitivity.",
+                    "steps with store='steps', and use sensitivity.",
                 )
             taken += len(ends)
         return first_of(self.stepper.steps(), count)
 
-    def _begin(self, t: float, q: Array, v: Array, event: bool = False, longest: float = np.inf) -> None:
+    def _begin(self, hit: Hit) -> None:
         memory = self.stepper.b[self.system.memory_places]
-        self._begins.append(Restart(t, q.copy(), v.copy(), memory.copy(), longest))
-        self._times.append([np.array([t])])
+        begin = Hit(hit.t, hit.q.copy(), hit.v.copy(), longest=hit.longest)
+        self._begins.append((begin, memory.copy()))
+        self._times.append([np.array([hit.t])])
         self._place, self._lead = Place(self._place.segment + 1, 0), None
-        super()._begin(t, q, v, event, longest)
+        super()._begin(hit)
 
-    def _segment(self) -> tuple[str, str]:
+    def _advance(self, stop: float) -> tuple[Nodes, Cut | None]:
         if not self._points or self._count - self._points[-1].count + self.portion > self._every:
             self._mark()
-        return super()._segment()
+        return super()._advance(stop)
 
     def _take(self, nodes: Nodes) -> None:
         super()._take(nodes)
@@ -290,20 +295,20 @@ class LongRun(TimeLoop):
         self._place = self._place._replace(step=self._place.step + len(t))
         self._count += len(t)
 
-    def _cut(self, steps: StepsTaken, event_step: EventStep) -> None:
+    def _cut(self, event_step: EventStep) -> None:
         if not self._place.step:  # an event at once: there is one step at least
             self._note(np.array([event_step.t]))
-        self._event_steps.append(event_step)
+        self.recording.event_steps.append(event_step)
 
     def _mark(self) -> None:
         """A checkpoint; the stored steps before it are forgotten."""
         stepper, steps = self.stepper, self.stepper.steps()
         if len(steps):
-            self._lead = last_of(led(self._lead, steps), (HIGH if self.precise else LOW) - 2)
+            self._lead = last_of(led(self._lead, steps), LEAD[self.precise])
         stepper.forget()
         stepper.tally.history.clear()
         del self.watches.records[:-CROWD]
-        state = {name: np.array(x) for name, x in self._state_of_steps().items()}
+        state = arrays_of({"method": stepper, "switches": self.switches})
         self._points.append(Checkpoint(state, self._place, self._count, self._lead))
         self._free_memory()
 
@@ -321,7 +326,9 @@ class LongRun(TimeLoop):
     def _stored(self) -> int:
         """Memory of checkpoints and events [bytes]."""
         numbers = 5 * self.system.nq + len(self.system.memory_places)
-        return sum(point.nbytes for point in self._points) + len(self._event_steps) * (8 * numbers + OBJECTS)
+        return sum(point.nbytes for point in self._points) + len(self.recording.event_steps) * (
+            8 * numbers + OBJECTS
+        )
 
     def _too_little(self, wanted: float) -> ValueError:
         return ValueError(

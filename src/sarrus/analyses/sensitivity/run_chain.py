@@ -9,6 +9,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from ...algebra import Array
+from ...outputs.recording import Angles
 from ...results import Segments, StepsTaken
 from ...results.motion.steps import last_of, led, segments_of
 from ...system import System
@@ -33,12 +34,14 @@ class RunTangents(NamedTuple):
 
 
 class RunChain:
-    """The derivatives of a run with ``store_steps=True``.
+    """The derivatives of a run with ``store="steps"``.
 
     Parameters
     ----------
     system, steps : the run
     restitutions : names of those of impacts by which derivatives are taken
+    before : number of events before these steps
+    angles : the joints' coordinates along the run, with their revolutions; by default counted along these steps
 
     Attributes
     ----------
@@ -47,11 +50,13 @@ class RunChain:
     """
 
     def __init__(
-        self, system: System, steps: StepsTaken | Segments, restitutions: Iterable[str] = ()
-    ) -> None:
+        self, system: System, steps: StepsTaken | Segments, restitutions: Iterable[str] = (), before: int = 0,
+        angles: Angles | None = None,
+    ) -> None:  # fmt: skip
         self.system, self.steps, self._restitutions = system, steps, list(restitutions)
-        self._events = steps.event_steps if isinstance(steps, Segments) else ()
-        self.chains = segment_chains(system, steps)
+        self._events, self._angles = steps.event_steps if isinstance(steps, Segments) else (), angles
+        segments, moving = enumerate(segments_of(steps), before), timed(system)
+        self.chains = [SegmentChain(system, own, moving and n > 0) for n, own in segments]
         sizes = [len(chain.steps) + 1 for chain in self.chains]
         self.parts = [slice(end - size, end) for end, size in zip(np.cumsum(sizes), sizes, strict=True)]
 
@@ -73,7 +78,7 @@ class RunChain:
     def _derivatives(self, by_numbers: bool = True) -> list[EventDerivatives]:
         if not self._events:
             return []
-        angles = angles_of(self.system, self.steps)
+        angles = self._angles or angles_of(self.system, self.steps)
         return [
             EventDerivatives(self.system, chain.steps, event_step, self._restitutions, angles, by_numbers)
             for chain, event_step in zip(self.chains, self._events, strict=False)
@@ -147,27 +152,22 @@ class RunChain:
 
         `adjoints` as for `BackSweep`, of all segments in their order.
         """
-        return self._back_over(given, adjoints).gradients(self.assembly)
+        back = BackSweep(self.system, given.q.shape[2], self._joints, adjoints)
+        self.over(back, given)
+        if adjoints is not None:
+            adjoints.reverse()
+        return back.gradients(self.assembly)
 
     def adjoints(self, given: Nodes) -> list[Array]:
         """Gradients by q and v before and after all steps, see `BackSweep`, as exactly as defects need."""
         found = list[Array]()
-        self._back_over(given, found, weighing=len(self.steps))
-        return found
+        back = BackSweep(self.system, given.q.shape[2], self._joints, found, len(self.steps))
+        back.over(self.chains, given, self._derivatives(by_numbers=False))
+        return found[::-1]
 
-    def _back_over(self, given: Nodes, adjoints: list[Array] | None, weighing: int = 0) -> BackSweep:
-        events = self._derivatives(by_numbers=False) if weighing else self.event_steps
-        back = BackSweep(self.system, given.q.shape[2], self._joints, adjoints, weighing)
-        back.over(self.chains, given, len(events), lambda p, bars: events[p].matrix.T @ bars)
-        if adjoints is not None:
-            adjoints.reverse()
-        return back
-
-
-def segment_chains(system: System, steps: StepsTaken | Segments, before: int = 0) -> list[SegmentChain]:
-    """The chains of all segments; `before` is the number of events before these steps."""
-    moving = timed(system)
-    return [SegmentChain(system, own, moving and before + n > 0) for n, own in enumerate(segments_of(steps))]
+    def over(self, back: BackSweep, given: Nodes, lead: StepsTaken | None = None) -> None:
+        """Go over all segments, see `BackSweep.over`."""
+        back.over(self.chains, given, self.event_steps, lead=lead)
 
 
 class BackSweep:
@@ -209,32 +209,33 @@ class BackSweep:
         self,
         chains: Sequence[SegmentChain],
         given: Nodes,
-        events: int,
-        through: Callable[[int, Array], Array],
+        events: Sequence[EventDerivatives],
         *,
         lead: StepsTaken | None = None,
     ) -> None:
         """Go over some segments, the gradients by whose states, and by those of the nodes that lead them, are given.
 
-        `events` is the number of events that end segments; `through` gives the gradients by what each depends on, of
-        those by q, v and the time (2 nq + 1, columns). `lead` are the last steps before, None at the start and after
-        an event.
+        `events` are those that end segments. `lead` are the last steps before, None at the start and after an event.
         """
-        if events == len(chains):
+        if len(events) == len(chains):
             self._shift = self._shift + given.shift[-1]
         end = len(given.q)
         self._hand_over(given, end - sum(len(chain.steps) + 1 for chain in chains))
         for p in range(len(chains) - 1, -1, -1):
             rows = slice(end - len(chains[p].steps) - 1, end)
             own, end = given.part(rows), rows.start
-            if p < events:
-                own = own.copy()
-                self._to_nodes(through(p, np.concatenate([self.q, self.v, self._shift[None]])), own)
+            if p < len(events):
+                own, bars = own.copy(), np.concatenate([self.q, self.v, self._shift[None]])
+                self._to_nodes(self._through(events[p], bars), own)
             self._shift = self._shift + given.shift[p]
             ahead = None if p else lead
             self._over_steps(chains[p], own, ahead)
             if ahead is None and (p or not self._weighing):
                 self._begin(chains[p])
+
+    def _through(self, event: EventDerivatives, bars: Array) -> Array:
+        """Gradients by what an event depends on, of those by q, v and the time (2 nq + 1, columns)."""
+        return np.asarray(event.matrix.T @ bars)
 
     def gradients(self, assembly: AssemblyDerivatives) -> Gradients:
         """Gradients by the numbers and by the guess, through the assembly from which the run started."""

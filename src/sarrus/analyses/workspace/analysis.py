@@ -44,7 +44,6 @@ def workspace(
     executor: Executor | None = None,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
-    strict: bool = False,
 ) -> Workspace:
     """Compute the workspace of two outputs: boundary, voids, barriers and crossable curves.
 
@@ -63,7 +62,7 @@ def workspace(
     limits : function -> (lowest, highest) [m] or [rad], None for no limit
         Joint coordinates by name, and also `sarrus.Length` of legs that are not modelled. ``"model"`` takes those of
         a robot description.
-    fixed : function -> constant value, such as an orientation
+    fixed : function -> constant value, such as an orientation, also as a text, "30 deg"
     verify : whether the map is tested by random positions and rays
     samples, rays : number of positions and rays in these tests
     seed : of all random numbers
@@ -72,7 +71,6 @@ def workspace(
     executor : any executor of `concurrent.futures`, on which positions and rays of the tests are drawn
     progress : True for a line on the terminal, or a function that is called with the number of points traced so far
     time_limit : seconds of the clock after which it ends with the status "time limit" and what was found
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -124,7 +122,6 @@ def checked_workspace(
     executor: Executor | None = None,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
-    strict: bool = False,
 ) -> Workspace:
     """Test a workspace by random positions and rays, and trace missing curves.
 
@@ -139,7 +136,6 @@ def checked_workspace(
     executor : any executor of `concurrent.futures`, on which they are drawn; the numbers are the same
     progress : True for a line on the terminal, or a function that is called with the number of points traced so far
     time_limit : seconds of the clock after which it ends with the status "time limit" and what was found
-    strict : raise the first warning as a `StrictError`
     """
     map_ = map_of(found)
     with watched(progress, done="traced", unit=POINTS, time_limit=time_limit):

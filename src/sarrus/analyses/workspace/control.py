@@ -42,7 +42,6 @@ def input_singularities(
     repeats: int = REPEATS,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
-    strict: bool = False,
 ) -> InputSingularities:
     """Trace singular configurations, in which inputs or outputs lose control of the motion.
 
@@ -60,7 +59,6 @@ def input_singularities(
     fixed : values of functions that select a section, one for each degree of freedom beyond two
     progress : True for a line on the terminal, or a function that is called with the number of points traced so far
     time_limit : seconds of the clock after which it ends with the status "time limit" and what was found
-    strict : raise the first warning as a `StrictError`
 
     Raises
     ------

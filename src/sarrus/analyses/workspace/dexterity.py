@@ -59,7 +59,6 @@ def dexterity(
     inputs: Iterable[Any],
     *,
     fixed: Mapping[Any, float] | None = None,
-    strict: bool = False,
 ) -> list[Dexterity]:
     """Compute manipulability and dexterity at given positions.
 
@@ -69,7 +68,6 @@ def dexterity(
     q : (nq,) or (k, nq) positions that satisfy the constraints
     output, inputs : functions of the position
     fixed : functions that keep their values
-    strict : raise the first warning as a `StrictError`
     """
     refuse_for_positions(system, "dexterity")
     problem = formulate(system, output, fixed=fixed, inputs=inputs, singular="inputs")
@@ -119,7 +117,6 @@ def workspace_field(
     seed: int = 0,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
-    strict: bool = False,
 ) -> WorkspaceField:
     """Compute dexterity, number of solutions and range of orientation on a grid in a workspace.
 
@@ -138,7 +135,6 @@ def workspace_field(
     seed : of the random positions
     progress : True for a bar on the terminal, or a function that is called with the number of cells filled so far
     time_limit : seconds of the clock after which it ends with the cells filled so far, and a warning
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

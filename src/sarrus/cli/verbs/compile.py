@@ -65,7 +65,7 @@ def _stages(system: System, methods: list[str]) -> Iterator[tuple[str, Stage]]:
     for method in methods:
         yield from _motion(system, method)
     yield "equilibrium", lambda: equilibrium(system)
-    yield "modes", lambda: modes(system, equilibrium(system).q)
+    yield "modes", lambda: modes(system, equilibrium(system))
     yield "kinematics", lambda: kinematics(system, [0.0, SHORT])
     yield "check of derivatives", system.check_derivatives
 
@@ -81,7 +81,8 @@ def _motion(system: System, method: str) -> Iterator[tuple[str, Stage]]:
     some, response = [*system.parameter_names][:1], Final("energy.kinetic")
 
     def motion() -> None:
-        runs.append(simulate(system, until=SHORT, method=method_named(method)(), store_steps=stores))
+        chosen = method_named(method)()
+        runs.append(simulate(system, until=SHORT, method=chosen, store="steps" if stores else "samples"))
 
     yield f"simulation by {method}", motion
     if stores:

@@ -54,7 +54,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     with _compiled_beside():
         start = assemble(system)
         laps.show(f"{system.name}: {start.message}")
-        motion = simulate(system, start, until=UNTIL, store_steps=True)
+        motion = simulate(system, start, until=UNTIL, store="steps")
         laps.show(motion.summary())
         operators = [names for names in system.compilable() if len(names) == 1]
         with Bar("compiling kernels (the first time only)", len(operators)) as bar:

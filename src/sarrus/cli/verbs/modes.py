@@ -31,7 +31,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     answer.put(model=system.name, equilibrium=at.message, message=at.message)
     if not at.success:
         return 1
-    found = modes(system, at.q, t=chosen.time)
+    found = modes(system, at, t=chosen.time)
     answer.show(found)
     answer.put(message=found.message, stability=found.stability, eigenvalues=found.eigenvalues)
     answer.put(frequencies=found.frequencies, damping_ratios=found.damping_ratios)

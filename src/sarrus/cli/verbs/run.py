@@ -50,7 +50,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Simulate; 1 if the assembly or the run failed (what was computed is still written)."""
     import numpy as np
 
-    from ...analyses import simulate
+    from ...analyses import Limits, simulate
     from ...analyses.position.initial_state import start_of
     from ...outputs import Level
     from ...system import System
@@ -67,11 +67,10 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     began = time.perf_counter()
     with Bar(f"simulating {chosen.until:g} s", chosen.until) as bar:
         times = np.linspace(start.t, chosen.until, chosen.steps + 1)
-        settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}
-        limits = {"time_limit": chosen.time_limit, "max_steps": chosen.max_steps}
+        limits = Limits(time=chosen.time_limit, steps=chosen.max_steps)
         motion = simulate(
-            system, start, until=chosen.until, t_eval=times, dense_output=dense, progress=bar.reach,
-            **settings, **limits,
+            system, start, until=chosen.until, t_eval=times, progress=bar.reach,
+            method=shared.method_of(chosen), store="dense" if dense else "samples", limits=limits,
         )  # fmt: skip
     seconds = time.perf_counter() - began
     answer.show(f"{named(system.name, motion.message)}; {motion.nsteps} steps in {seconds:.2f} s")

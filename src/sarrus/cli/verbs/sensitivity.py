@@ -56,8 +56,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     system = System(model_file.read(chosen, answer))
     start = DesignStart.of(system, shared.start_of(chosen))
     wanted = [response_of(one, one) for one in chosen.response]
-    settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}
-    problem = Problem(system, wanted, chosen.wrt, until=chosen.until, start=start, **settings)
+    method = shared.method_of(chosen)
+    problem = Problem(system, wanted, chosen.wrt, until=chosen.until, start=start, method=method)
     try:
         with np.errstate(invalid="ignore", divide="ignore"):  # reported below
             found = problem.gradient(problem.x0)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from .. import model_file
 from ..answer import Answer, named
 from ..progress import Bar
-from ..values import positive, refuse_unwritable, scene_file
+from ..values import duration, refuse_unwritable, scene_file
 
 if TYPE_CHECKING:
     from ...model import Model
@@ -30,7 +30,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--assemble", action="store_true", help="bring the parts together first, as `run` does"
     )
     parser.add_argument(
-        "--until", type=positive, metavar="T", help="simulate to this time [s] and play the motion"
+        "--until",
+        type=duration,
+        metavar="T",
+        help="simulate to this time [s], or with a unit: 500 ms, and play the motion",
     )
     parser.add_argument(
         "--trace",

@@ -1,7 +1,8 @@
-"""Tyres as a vertical spring and damper between a point of a body and a road: flat, or with a profile.
+"""Tyres as a vertical spring and damper between a point of a body and a road: flat, with a profile, or a surface.
 
-The first also pulls. The second lifts off: the road under the wheel centre (x, ., z) is road + profile(x) + bump(t).
-With the compression δ = radius - (z - road), its rate δ̇ and the width w of the rounding, the force upwards is
+The first also pulls. The others lift off: the road under the wheel centre (x, y, z) is road + h + bump(t), where h is
+profile(x) or surface(x, y). With the compression δ = radius - (z - road), its rate δ̇ and the width w of the rounding,
+the force upwards is
 
     F = σ(δ) (k δ + c δ̇)₊
 
@@ -11,9 +12,11 @@ F = k w/2 on; exactly zero for δ ≤ -w/2, and never a pull. Its derivatives ar
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from ...algebra import I3, Array, Row, outer
 from ...euler import B, D, rotate
-from ..element import Curve, Force, Grid, Scalar, Single, Vec3
+from ..element import Curve, Force, Grid, Scalar, Single, Surface, Vec3
 from ..force_outputs import Passive
 from ..output import output
 from .laws import along, soft_ramp, soft_step
@@ -69,23 +72,31 @@ class Tyre(Passive, Force, bodies=1, derivatives="automatic"):
         return (outer(UP, F_r), outer(UP, F_p)), (outer(z_p, F_r), pp)
 
 
-class RoadTyre(Force, bodies=1, derivatives="automatic", rare=True):
-    """F = σ(δ) (k δ + c δ̇)₊ upwards at the wheel centre."""
+class LiftingTyre(Force, abstract=True):
+    """F = σ(δ) (k δ + c δ̇)₊ upwards at the wheel centre, the base of tyres on different kinds of road."""
 
-    s: Vec3  # [m] wheel centre in the body
-    k: Scalar  # [N/m]
-    c: Scalar  # [N s/m]
-    radius: Scalar  # [m] unloaded
-    road: Scalar  # [m] height that is added to both curves
-    width: Scalar  # [m] of the rounding
-    profile: Curve  # [m] over the global x [m]
-    bump: Curve  # [m] over time [s]
+    if TYPE_CHECKING:  # fields of its subclasses
+        s: Vec3
+        k: Scalar
+        c: Scalar
+        radius: Scalar
+        road: Scalar
+        width: Scalar
+        bump: Curve
+
+    def _height(self, place: Array) -> Scalar:
+        """h."""
+        raise NotImplementedError
+
+    def _slopes(self, place: Array) -> tuple[Scalar, Scalar]:
+        """∂h/∂x and ∂h/∂y."""
+        raise NotImplementedError
 
     @output("m")
     def compression(self, x: Single, v: Single, t: Scalar) -> Scalar:
         """δ, negative where the tyre is off the road."""
         place = x.r + rotate(x.p, self.s)
-        return self.radius - (place[2] - (self.road + self.profile(place[0]) + self.bump(t)))
+        return self.radius - (place[2] - (self.road + self._height(place) + self.bump(t)))
 
     @output("m/s", "rate")
     def compression_rate(self, x: Single, v: Single, t: Scalar) -> Scalar:
@@ -97,8 +108,9 @@ class RoadTyre(Force, bodies=1, derivatives="automatic", rare=True):
 
     def _rise(self, x: Single, v: Single, t: Scalar) -> Scalar:
         """The rate of the road's height under the wheel centre."""
-        place = x.r + rotate(x.p, self.s)
-        return self.profile.slope(place[0]) * self._velocity(x, v)[0] + self.bump.slope(t)
+        h_x, h_y = self._slopes(x.r + rotate(x.p, self.s))
+        velocity = self._velocity(x, v)
+        return h_x * velocity[0] + h_y * velocity[1] + self.bump.slope(t)
 
     def _force(self, depth: Scalar, rate: Scalar) -> Scalar:
         touching = soft_step(depth, self.width)
@@ -125,3 +137,43 @@ class RoadTyre(Force, bodies=1, derivatives="automatic", rare=True):
     def Q(self, x: Single, v: Single, t: Scalar) -> Row:
         F = self._load(x, v, t)
         return F * UP, F * B(x.p, self.s)[2]
+
+
+class RoadTyre(LiftingTyre, bodies=1, derivatives="automatic", rare=True):
+    """A tyre on a profile."""
+
+    s: Vec3  # [m] wheel centre in the body
+    k: Scalar  # [N/m]
+    c: Scalar  # [N s/m]
+    radius: Scalar  # [m] unloaded
+    road: Scalar  # [m] height that is added to both curves
+    width: Scalar  # [m] of the rounding
+    profile: Curve  # [m] over the global x [m]
+    bump: Curve  # [m] over time [s]
+
+    def _height(self, place: Array) -> Scalar:
+        return self.profile(place[0])
+
+    def _slopes(self, place: Array) -> tuple[Scalar, Scalar]:
+        return self.profile.slope(place[0]), 0
+
+
+class SurfaceTyre(LiftingTyre, bodies=1, derivatives="automatic", rare=True):
+    """A tyre on a surface."""
+
+    s: Vec3  # [m] wheel centre in the body
+    k: Scalar  # [N/m]
+    c: Scalar  # [N s/m]
+    radius: Scalar  # [m] unloaded
+    road: Scalar  # [m] height that is added to surface and curve
+    width: Scalar  # [m] of the rounding
+    surface: Surface  # [m] over the global x and y [m]
+    bump: Curve  # [m] over time [s]
+
+    def _height(self, place: Array) -> Scalar:
+        return self.surface.derivative(place[0], place[1], 0, 0)
+
+    def _slopes(self, place: Array) -> tuple[Scalar, Scalar]:
+        return self.surface.derivative(place[0], place[1], 1, 0), self.surface.derivative(
+            place[0], place[1], 0, 1
+        )

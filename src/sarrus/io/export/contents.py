@@ -17,7 +17,6 @@ from ...model import Coupler, Distance, Driver, Joint, Model
 from ...model.bodies.shape import Look
 from ...model.coordinate import chosen
 from ...model.errors import ModelError, SarrusWarning
-from ...model.expansion.blueprint import blueprint
 from ...model.geometry.motion import Free, pose, unit
 from ...model.geometry.points import GROUND
 from ...model.geometry.pose import GROUND_POSE, Pose
@@ -88,9 +87,8 @@ def contents(model: Model, ignore: Collection[str], cut: Collection[type[object]
     cut : the joints that may close loops; others are in the tree if that is possible
     """
     model = _without(model, ignore)
-    plan = blueprint(model)
     start = assemble(System(model))
-    initial, poses = (_poses(model, one) for one in (plan.q, start.q))
+    initial, poses = model.design_poses(), _poses(model, start.q)
     joints = [joint for joint in model.joints if not isinstance(joint, Coupler | Distance)]
     found = {joint.name: edge_of(joint, initial, poses, _link) for joint in joints}
     unknown = [joint for joint in joints if found[joint.name] is None]

@@ -53,15 +53,17 @@ class Body(Solid):
         ``xx, yy, zz`` and if wanted ``xy, xz, yz`` (entries of the tensor: ``xy`` is −∫ x y dm),
         or the whole symmetric 3x3 tensor.
     position
-        Global position of the body frame's origin [m].
+        Global position of the body frame's origin [m], in the design position: where global points of the model are.
     orientation
-        Euler parameters (4), rotation matrix (3x3), `AxisAngle` or `EulerAngles`.
+        Euler parameters (4), rotation matrix (3x3), `AxisAngle` or `EulerAngles`; likewise.
     center_of_mass
         In body axes from the origin [m]. Left out, the origin is the centre of mass.
     velocity
         Global velocity of the origin [m/s]. Left out, it follows from other velocities, and is otherwise zero.
     angular_velocity
         In global axes [rad/s]. Left out, it follows from other velocities, and is otherwise zero.
+    initial_position, initial_orientation
+        Those at the start, such as in a static equilibrium. Left out, they are those of the design position.
     shape
         Its shape in pictures; by default it is drawn from its joints and points.
 
@@ -80,13 +82,15 @@ class Body(Solid):
     center_of_mass: Offset | None = None
     velocity: Velocity | None = None
     angular_velocity: AngularVelocity | None = None
+    initial_position: Position | None = None
+    initial_orientation: Orientation | None = None
     shape: Shape | None = None
 
     def __post_init__(self) -> None:
         with restated(part=f"body {quote(self.name)}"):
             numbers = with_numbers_of_texts(self)
             vars(self).update(vars(numbers))
-            self.pose(), self.rates(), self.mass_properties()
+            self.pose(), self.initial_pose(), self.rates(), self.mass_properties()
 
     @classmethod
     def box(
@@ -184,9 +188,20 @@ class Body(Solid):
         return cls(name, found.mass, found.inertia, **given)
 
     def pose(self) -> Pose:
-        """Return the initial pose; raise ModelError if it is none."""
+        """Return the pose in the design position; raise ModelError if it is none."""
         r = np.array(vector(self.position, "position"))
         p = euler_parameters(self.orientation)
+        return Pose(r, p, rotation.matrix(p))
+
+    def initial_pose(self) -> Pose:
+        """Return the pose at the start; raise ModelError if it is none."""
+        pose = self.pose()
+        r, p = pose.r, pose.p
+        if self.initial_position is not None:
+            r = np.array(vector(self.initial_position, "initial_position"))
+        if self.initial_orientation is not None:
+            with restated("at the start:", field="initial_orientation"):
+                p = euler_parameters(self.initial_orientation)
         return Pose(r, p, rotation.matrix(p))
 
     def rates(self) -> Array:
@@ -195,7 +210,7 @@ class Body(Solid):
             (0.0, 0.0, 0.0) if x is None else x for x in (self.velocity, self.angular_velocity)
         )
         omega = np.array(vector(angular, "angular_velocity"))
-        p_dot = rotation.rates(euler_parameters(self.orientation), omega)
+        p_dot = rotation.rates(self.initial_pose().p, omega)
         return np.array([*vector(velocity, "velocity"), *p_dot])
 
     def given_rates(self) -> tuple[bool, ...]:

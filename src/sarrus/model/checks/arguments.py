@@ -38,14 +38,16 @@ class Number:
     least: float = -np.inf
     positive: bool = False
     infinite: bool = False
+    most: float = np.inf
 
     def __call__(self, name: str, value: Any) -> None:
         """Raise a TypeError for another kind, and a ModelError for a number outside."""
         found = real(name, value)
         wanted = "a positive number" if self.positive else "a finite number"
-        outside = found < self.least or (self.positive and not found > 0)
+        outside = not self.least <= found <= self.most or (self.positive and not found > 0)
         if isnan(found) or outside or (np.isinf(found) and not self.infinite):
             more = f" of at least {self.least:g}" if np.isfinite(self.least) else ""
+            more += f" of at most {self.most:g}" if np.isfinite(self.most) else ""
             raise ModelError(f"{name} must be {wanted}{more}, but is {found:g}. Give another one.")
 
 
@@ -99,12 +101,30 @@ def _numbers(name: str, value: Any) -> None:
         raise ModelError(f"{name} must be finite numbers, but one of them is not. Remove it.")
 
 
-def _three(name: str, value: Any) -> None:
-    _numbers(name, value)
-    if np.shape(value) != (3,):
-        raise ModelError(
-            f"{name} must be three numbers, got the shape {np.shape(value)}. Give three, as in (0, 0, 1)."
-        )
+def _executor(name: str, value: Any) -> None:
+    if not callable(getattr(value, "submit", None)):
+        raise TypeError(f"{name} must be an executor of concurrent.futures, got {_kind(value)}. Give one.")
+
+
+def _noise(name: str, value: Any) -> None:
+    if value not in ("given", "estimated"):
+        raise ModelError(f'{name} must be "given" or "estimated", but is {show(value)}. Give one of them.')
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """A list of two or three finite numbers."""
+
+    count: int
+
+    def __call__(self, name: str, value: Any) -> None:
+        """Raise a TypeError for another kind, and a ModelError for another count or numbers that are not finite."""
+        _numbers(name, value)
+        if np.shape(value) != (self.count,):
+            count, example = {2: ("two", "(1, 2)"), 3: ("three", "(0, 0, 1)")}[self.count]
+            raise ModelError(
+                f"{name} must be {count} numbers, got the shape {np.shape(value)}. Give {count}, as in {example}."
+            )
 
 
 def _text(name: str, value: Any) -> None:
@@ -166,15 +186,16 @@ CHECKS: dict[str, Check] = {
     **_all(WholeNumber(0), "seed restarts"),
     **_all(
         _flag,
-        "strict dense_output store_steps overwrite stable verify retry_failed second_order keep_fixed corners "
-        "periodic",
+        "strict overwrite stable verify retry_failed second_order keep_fixed periodic",
     ),
-    **_all(_path, "path save folder loops"),
+    **_all(_path, "path folder loops"),
     **_all(_names, "fixed lock variables ignore"),
     **_all(_paths, "search"),
     **_all(_mapping, "rates parameters q0 controls inputs"),
-    **_all(_numbers, "times t_eval breakpoints"),
-    **_all(_three, "turning"),
+    **_all(_numbers, "times t_eval"),
+    **_all(Numbers(3), "turning"),
+    **_all(_noise, "noise"),
+    **_all(_executor, "executor"),
     **_all(_progress, "progress"),
     **_all(_text, "text name"),
 }
@@ -183,37 +204,75 @@ CHECKS: dict[str, Check] = {
 Arguments: TypeAlias = tuple[tuple[Any, ...], Mapping[str, Any]]
 
 
+@dataclass(frozen=True)
+class NumberIn:
+    """A number in a unit, which may be a text such as "80 km/h", between limits."""
+
+    unit: str
+    limits: Number = Number()
+
+    def __call__(self, name: str, value: Any) -> None:
+        """Raise a TypeError for another kind, and a ModelError for a number outside."""
+        self.limits(name, value)
+
+    def number(self, name: str, value: Any) -> Any:
+        """The number of a text; anything else as it is."""
+        return in_si(name, value, self.unit)
+
+
 def _check_of(parameter: inspect.Parameter) -> Check:
     """The check of a parameter; `inputs` are values by name in some analyses, and a list in others."""
     values = parameter.name != "inputs" or "Mapping" in str(parameter.annotation)
     return CHECKS[parameter.name] if values else _names
 
 
-def checker(function: Callable[..., Any]) -> Callable[[tuple[Any, ...], Mapping[str, Any]], Arguments]:
+def checker(
+    function: Callable[..., Any], own: Mapping[str, Check] | None = None
+) -> Callable[[tuple[Any, ...], Mapping[str, Any]], Arguments]:
     """Return what checks the arguments of a call; those that are left out, or as good as left out, pass.
 
-    It returns the arguments, with numbers in place of times such as "20 ms".
+    It returns the arguments, with numbers in place of texts with units, such as "20 ms". The function's own checks come
+    before those of `CHECKS`.
     """
+    own = own or {}
     signature = inspect.signature(function)
+    name = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
     known = {
-        name: (_check_of(one), one.default) for name, one in signature.parameters.items() if name in CHECKS
+        key: (own[key] if key in own else _check_of(one), one.default)
+        for key, one in signature.parameters.items()
+        if key in own or key in CHECKS
     }
+    numbers = {**TEXTS, **{key: one.number for key, one in own.items() if isinstance(one, NumberIn)}}
 
     def check(args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> Arguments:
         try:
             bound = signature.bind(*args, **kwargs)
         except TypeError as error:
-            raise TypeError(wrong_call(function.__name__, signature, args, kwargs) or str(error)) from None
+            raise TypeError(wrong_call(name, signature, args, kwargs) or str(error)) from None
         given, texts = bound.arguments, False
-        for name in known.keys() & given.keys():
-            if name in TEXTS and isinstance(given[name], str):
-                given[name], texts = TEXTS[name](name, given[name]), True
-            test, default = known[name]
-            if given[name] is not default:
-                test(name, given[name])
+        for key in known.keys() & given.keys():
+            if key in numbers and isinstance(given[key], str):
+                given[key], texts = numbers[key](key, given[key]), True
+            test, default = known[key]
+            if given[key] is not default:
+                test(key, given[key])
         return (bound.args, bound.kwargs) if texts else (args, kwargs)
 
     return check
+
+
+def in_si(name: str, given: Any, unit: str | None) -> Any:
+    """The number of a text such as "30 deg", in an SI unit, None for any; anything else as it is.
+
+    Raises
+    ------
+    ModelError
+        For a text in another unit, or that is no number.
+    """
+    try:
+        return quantity(given, unit) if isinstance(given, str) else given
+    except ModelError as wrong:
+        raise ModelError(f"{name} {wrong.message}") from None
 
 
 def in_seconds(name: str, given: Any) -> Any:
@@ -245,14 +304,23 @@ TEXTS = {  # arguments that may be texts with units
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """Decorate a public function whose arguments are checked before it runs."""
-    check = checker(function)
+    return checked_by()(function)
 
-    @wraps(function)
-    def checking(*args: P.args, **kwargs: P.kwargs) -> R:
-        args, kwargs = check(args, kwargs)  # type: ignore[assignment]
-        return function(*args, **kwargs)
 
-    return checking
+def checked_by(**checks: Check) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Decorate a public function with the checks of its arguments, by name."""
+
+    def decorated(function: Callable[P, R]) -> Callable[P, R]:
+        check = checker(function, checks)
+
+        @wraps(function)
+        def checking(*args: P.args, **kwargs: P.kwargs) -> R:
+            args, kwargs = check(args, kwargs)  # type: ignore[assignment]
+            return function(*args, **kwargs)
+
+        return checking
+
+    return decorated
 
 
 def _kind(value: Any) -> str:

@@ -67,7 +67,8 @@ def wrong_call(name: str, wanted: Signature, args: Sequence[Any], kwargs: Mappin
         return ""
     for key in kwargs:
         if key not in parameters:
-            return f"{name} has no argument {quote(key)}. {suggest(key, parameters)}"
+            known = [one for one in parameters if one != "self"]
+            return f"{name} has no argument {quote(key)}. {suggest(key, known)}"
     by_place = [key for key, one in parameters.items() if one.kind in BY_PLACE]
     variable = any(one.kind is Parameter.VAR_POSITIONAL for one in parameters.values())
     if len(args) > len(by_place) and not variable:

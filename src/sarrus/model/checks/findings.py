@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any, Self, TypeAlias
+from typing import Any, Self, TypeAlias, TypeVar
 
 from ..errors import ModelError
 from ..show import quote
 
 Path: TypeAlias = tuple[str | int, ...]
+T = TypeVar("T")
 
-_PAIRS = {
+PAIRS = {
     "body": "bodies",
     "point": "points",
     "frame": "frames",
@@ -24,29 +25,43 @@ _PAIRS = {
 class Origin:
     """A file's name and the line of every entry in it, by path: ``("bodies", "rod", "mass")``.
 
-    ``files`` names the file of each part that was included from another one.
+    ``files`` names the file of each part, and of each value, that is from another one by an include. ``given`` are the
+    places ``file:line`` of such values, by the paths of the entries whose formulas use them.
     """
 
     file: str
     lines: dict[Path, int]
     files: dict[Path, str] = field(default_factory=dict)
+    given: dict[Path, str] = field(default_factory=dict)
 
     def where(self, path: Path) -> str:
-        """Return ``file:line`` of an entry, or of the nearest entry that holds it."""
-        line = self.line(path)
-        file = self.files.get(path[:2], self.file)
-        return f"{file}:{line}" if line else file
+        """Return ``file:line`` of an entry, or of the nearest entry that holds it; first that of a value in it."""
+        line, file = self.line(path), _nearest(self.files, path, self.file)
+        place = f"{file}:{line}" if line else file
+        values = (where for entry, where in self.given.items() if _is_within(entry, path))
+        value = next(values, "") if len(path) > 2 else ""
+        return f"{value}, used in {place}" if value else place
 
     def line(self, path: Path) -> int:
         """Return the line of an entry, or of the nearest entry that holds it; 0 if there is none."""
-        return next((self.lines[path[:n]] for n in range(len(path), -1, -1) if path[:n] in self.lines), 0)
+        return _nearest(self.lines, path, 0)
 
     def of_field(self, part: Path, field: str) -> str:
         """Return ``file:line`` of a part's field, also where the file joins two fields in a pair."""
         name, _, side = field.partition(" ")[0].rpartition("_")
-        pair: Path = (_PAIRS.get(name, ""), "ij".find(side))
+        pair: Path = (PAIRS.get(name, ""), "ij".find(side))
         paired = part + pair
         return self.where(paired if paired in self.lines else (*part, field))
+
+
+def _nearest(values: dict[Path, T], path: Path, other: T) -> T:
+    """The value of a path, or of the nearest one that holds it."""
+    return next((values[path[:n]] for n in range(len(path), -1, -1) if path[:n] in values), other)
+
+
+def _is_within(entry: Path, path: Path) -> bool:
+    """Whether one of two paths holds the other."""
+    return entry[: len(path)] == path[: len(entry)]
 
 
 def path_text(path: tuple[Any, ...]) -> str:
@@ -61,9 +76,13 @@ KINDS = {
     "drivers": "driver",
     "forces": "force",
     "points": "point",
+    "hardpoints": "hardpoint",
     "parameters": "parameter",
     "outputs": "output",
 }
+
+
+WORDS = tuple(f"{word} " for word in KINDS.values())
 
 
 def part_name(path: Path) -> str:
@@ -96,13 +115,18 @@ class Findings:
         try:
             yield
         except ModelError as error:
-            self.errors.append(self._placed(error, path))
+            placed = self._placed(error, path)
+            if str(placed) not in map(str, self.errors):
+                self.errors.append(placed)
             if len(self.errors) == MOST:
                 self.raise_first()
 
     def _placed(self, error: ModelError, path: Path) -> ModelError:
-        where = self.origin.of_field(path, error.field) if self.origin else ""
-        return ModelError(error.message, part=part_name(path), field=error.field, where=where)
+        """The error about another part of the model that it names, as one whose formula is used, or about this one."""
+        own = part_name(path)
+        part = error.part if error.part.startswith(WORDS) else own
+        where = self.origin.of_field(path, error.field) if self.origin and part == own else ""
+        return ModelError(error.message, part=part, field=error.field, where=where)
 
     def raise_first(self) -> None:
         """Raise the first collected error, if any."""

@@ -46,7 +46,7 @@ INSTEAD = {
     "Contact": f"sr.SphereContact of a sphere and a plane, {STOPS} for limits of joints",
     "Bistop Limit Stop": STOPS,
     "Friction": "sr.AngleFriction, sr.DisplacementFriction or sr.LuGre",
-    "Tire": "sr.Tyre or sr.RoadTyre",
+    "Tire": "sr.MagicFormulaTyre, sr.TmeasyTyre, sr.FialaTyre or sr.BrushTyre; sr.RoadTyre for the load alone",
     "Cable Rope": "sr.TSDA or sr.Force between two points",
     "Sensor Measure Request Probe": OUTPUT,
     "Gravity AccelGrav": "sr.Model(..., gravity=(0, 0, -9.81))",

@@ -17,6 +17,7 @@ from ..geometry.points import GROUND, Point, Solid
 from ..geometry.pose import Poses
 from ..laws.law import Law, motion_of
 from ..measure import In
+from ..parity import declared
 from ..primitive import Primitive
 from ..registry import Part, register
 
@@ -38,7 +39,7 @@ class Driver(Part, ABC):
 
     @abstractmethod
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
-        """Yield the primitives for the given initial poses and coordinates of joints."""
+        """Yield the primitives for the given poses of the design position and coordinates of joints."""
 
 
 NAMES = ("x", "y", "z", "e0", "e1", "e2", "e3")
@@ -47,6 +48,8 @@ NAMES = ("x", "y", "z", "e0", "e1", "e2", "e3")
 @dataclass(frozen=True, eq=False)
 class CoordinateDriver(Driver):
     """A ``coordinate`` of a ``body``, x, y, z [m] of its origin or an Euler parameter, follows a ``motion``."""
+
+    parity = declared(coordinate="refused")
 
     body: Solid
     coordinate: Literal["x", "y", "z", "e0", "e1", "e2", "e3"]
@@ -129,6 +132,8 @@ AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 @dataclass(frozen=True, eq=False)
 class PointDriver(Driver):
     """Global coordinates ``x``, ``y``, ``z`` [m] of a ``point`` follow functions of time; those left out are free."""
+
+    parity = declared(y="odd")
 
     point: Point
     x: Annotated[Law | None, In("m", over="s", states=True)] = None

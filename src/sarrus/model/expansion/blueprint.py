@@ -14,8 +14,9 @@ from ..checks.findings import part_name
 from ..checks.names import find
 from ..coordinates import WIDTH
 from ..errors import ModelError
-from ..geometry.points import GROUND
+from ..geometry.points import AXES, GROUND, rotation_about
 from ..geometry.pose import GROUND_POSE
+from ..laws.surface import Surface
 from ..model import Model
 from ..quantity import Array, number, numbers
 from ..show import show
@@ -64,6 +65,8 @@ class Blueprint:
         The elements: joints first, then drivers, inertia, gravity and forces.
     coordinates
         The elements that compute the angles and displacements of joints; they are no part of the equations.
+    rotations
+        Those of the rotations of bodies about global axes.
     states
         The first-order states by name: place in v, unit, and size.
     followed_states
@@ -77,6 +80,7 @@ class Blueprint:
     given: Array
     placed: tuple[Placement, ...]
     coordinates: tuple[Placement, ...] = ()
+    rotations: tuple[Placement, ...] = ()
     states: Mapping[str, StatePlace] = field(default_factory=dict)
     followed_states: Mapping[str, StatePlace] = field(default_factory=dict)
 
@@ -95,12 +99,15 @@ def blueprint(model: Model) -> Blueprint:
     placed, measures = (
         tuple(_place(piece, index, model) for piece in some) for some in (pieces, coordinates)
     )
+    rotations = tuple(
+        _place(Piece(name, rotation_about(axis, name)), index, model) for name in names for axis in AXES
+    )
     q, v = _coordinates(bodies, blocks), _rates(bodies, blocks)
     states, followed = (_places(len(bodies), blocks, kind) for kind in (False, True))
     given = np.array(
         [*(x for body in bodies for x in body.given), *[True] * (WIDTH * len(blocks))], dtype=bool
     )
-    return Blueprint(model.name, names, q, v, given, placed, measures, states, followed)
+    return Blueprint(model.name, names, q, v, given, placed, measures, rotations, states, followed)
 
 
 def _place(piece: Piece, index: dict[str, int], model: Model) -> Placement:
@@ -141,6 +148,11 @@ def _check_values(element: type[Element], values: tuple[Any, ...]) -> None:
                 raise ModelError(
                     f"needs a curve for {name}, but is given {show(value)}. Give a Curve.", field=name
                 )
+        elif kind == "Surface":
+            if not isinstance(value, Surface):
+                raise ModelError(
+                    f"needs a surface for {name}, but is given {show(value)}. Give a Surface.", field=name
+                )
         elif WIDTHS[kind] == 1:
             number(value, name)
         else:
@@ -148,7 +160,7 @@ def _check_values(element: type[Element], values: tuple[Any, ...]) -> None:
 
 
 def _coordinates(bodies: tuple[BodyState, ...], blocks: tuple[Block, ...]) -> Array:
-    poses = [x for body in bodies for x in (*body.pose.r, *body.pose.p)]
+    poses = [x for body in bodies for x in (*body.start.r, *body.start.p)]
     slots = [x for b in blocks for x in (*(b.initial() if b.followed else ORIGIN), *GROUND_POSE.p)]
     return np.array([*poses, *slots])
 

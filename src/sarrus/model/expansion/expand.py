@@ -42,10 +42,11 @@ WANTED: dict[type, tuple[str, str]] = {
 
 
 class BodyState(NamedTuple):
-    """A body with its checked numbers."""
+    """A body with its checked numbers: its pose in the design position, and that at the start."""
 
     name: str
     pose: Pose
+    start: Pose
     rates: Array
     given: tuple[bool, ...]
     mass: MassProperties
@@ -87,10 +88,11 @@ def expand(model: Model) -> ExpandedModel:
     ModelError
         For the first thing that is wrong, in the order names, gravity, bodies, joints, drivers, forces.
     """
-    if not isinstance(model, Model):
-        raise ModelError(
-            f"a system is made of a Model, but this is {show(model)}. Read a file with sarrus.load(path)."
-        )
+    given: object = model
+    if not isinstance(given, Model):
+        is_system = isinstance(getattr(given, "model", None), Model)
+        remedy = "Pass its model" if is_system else "Read a file with sarrus.load(path)"
+        raise ModelError(f"a system is made of a Model, but this is {show(given)}. {remedy}.")
     _check_lists(model)
     _check_names(model)
     with Findings(model.origin) as findings:
@@ -126,6 +128,9 @@ def _check_names(model: Model) -> None:
                     _check_kind(part, section)
                     check_name(part.name)
                     _check_new(part.name, seen, section)
+        for name in model.formulas.hardpoints:
+            with findings.about("hardpoints", name):
+                _check_new(name, seen, "hardpoints")
         check_outputs(model, seen, findings)
 
 
@@ -170,7 +175,14 @@ def _gravity(model: Model) -> Vec3:
 
 def _bodies(model: Model) -> tuple[BodyState, ...]:
     return tuple(
-        BodyState(body.name, body.pose(), body.rates(), body.given_rates(), body.mass_properties())
+        BodyState(
+            body.name,
+            body.pose(),
+            body.initial_pose(),
+            body.rates(),
+            body.given_rates(),
+            body.mass_properties(),
+        )
         for body in model.bodies
     )
 

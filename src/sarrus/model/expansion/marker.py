@@ -10,7 +10,7 @@ import numpy as np
 from ..drivers.of_states import DrivenByStates
 from ..geometry.placement import Frames
 from ..geometry.points import GROUND
-from ..geometry.pose import GROUND_POSE, Poses
+from ..geometry.pose import Poses
 from ..model import Model
 from ..quantity import Array
 from .blueprint import Placement, blueprint
@@ -61,17 +61,13 @@ def marker(model: Model, name: str) -> Marker:
     """
     part = next(part for parts in model.sections().values() for part in parts if part.name == name)
     if isinstance(part, FramedPart):
-        i, j = part.frames(_poses(model))
+        i, j = part.frames(model.design_poses())
         return Marker(i.body, j.body, np.array(i.s), np.array(j.s), np.column_stack([i.f, i.g, i.h]), name)
     if isinstance(part, CouplingPart):
         return marker(model, part.follower.partition(".")[0])._replace(coupled=True)
     if isinstance(part, JointDriver):
         return marker(model, part.joint.split(".")[0])
     return _from_elements(model, name)
-
-
-def _poses(model: Model) -> Poses:
-    return {GROUND: GROUND_POSE, **{body.name: body.pose() for body in model.bodies}}
 
 
 def _from_elements(model: Model, name: str) -> Marker:

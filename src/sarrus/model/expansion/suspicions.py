@@ -240,7 +240,7 @@ class Suspicions:
         for one in self.plan.placed:
             if issubclass(one.element, elements.SphereContact) and one.bodies[1] == 0:
                 normal = np.array(values_of(one)["n_j"])
-            elif issubclass(one.element, elements.Tyre | elements.RoadTyre):
+            elif issubclass(one.element, elements.Tyre | elements.RoadTyre | elements.SurfaceTyre):
                 normal = np.array([0.0, 0.0, 1.0])
             else:
                 continue
@@ -277,11 +277,12 @@ def points_of(one: Placement) -> Iterator[tuple[int, Array]]:
 def angles_of(model: Model) -> Iterator[tuple[str, str, float]]:
     """Yield part, field and value of every angle in a model."""
     for body in model.bodies:
-        match body.orientation:
-            case AxisAngle(angle=angle):
-                yield body.name, "orientation", float(angle)
-            case EulerAngles(angles=angles):
-                yield body.name, "orientation", float(max(angles, key=abs))
+        for field in ("orientation", "initial_orientation"):
+            match getattr(body, field):
+                case AxisAngle(angle=angle):
+                    yield body.name, field, float(angle)
+                case EulerAngles(angles=angles):
+                    yield body.name, field, float(max(angles, key=abs))
     for parts in (model.joints, model.forces):  # drivers move by more than a revolution
         for part in parts:
             for field, measure in measures_of(part).items():

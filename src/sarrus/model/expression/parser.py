@@ -167,11 +167,12 @@ class _Parser:
             sign = self._joined()
 
     def _joined(self) -> str:
-        sign, after = self._next, self.tokens[min(self.at + 1, len(self.tokens) - 1)]
+        sign, after, behind = (self.tokens[min(self.at + n, len(self.tokens) - 1)] for n in range(3))
         close = self.tokens[self.at - 1].end == sign.start and sign.end == after.start
         if sign.kind == "name":
             return "*"
-        return self._taken("*", "/", "·") if close and after.kind == "name" else ""
+        unit = close and after.kind == "name" and behind.text not in CLOSING  # of a function
+        return self._taken("*", "/", "·") if unit else ""
 
     def _exponent(self) -> int:
         sign, token = self._taken("-"), self._next

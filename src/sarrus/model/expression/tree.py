@@ -177,7 +177,7 @@ class Expression:
         return self if is_number(b, 1) else call("**", self, b)
 
     def __neg__(self) -> Expression:
-        if isinstance(self, Number):
+        if isinstance(self, Number) and not self.of:
             return Number(-self.number)
         return call("neg", self)
 
@@ -304,8 +304,8 @@ def lift(value: Expression | float) -> Expression:
 
 
 def is_number(expression: Expression, number: float) -> bool:
-    """Return whether a formula is just this number."""
-    return isinstance(expression, Number) and expression.number == number
+    """Return whether a formula is just this number, and not the value of a parameter, which may change."""
+    return isinstance(expression, Number) and not expression.of and expression.number == number
 
 
 def _ends_in_unit(node: Expression) -> bool:

@@ -14,7 +14,10 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
+    StrictBool,
     StrictStr,
+    ValidationInfo,
+    WithJsonSchema,
     create_model,
     model_validator,
 )
@@ -30,12 +33,14 @@ from ..geometry.orientation import AxisAngle, EulerAngles, Orientation
 from ..geometry.points import Frame, Point, Solid
 from ..laws.curve import Curve, Formula
 from ..laws.law import Law
+from ..laws.surface import Surface
 from ..measure import In, typed
 from ..quantity import Vector
 from ..show import quote
 from .scope import full_name
 from .stated import (
     Entry,
+    direction,
     function_in,
     invalid,
     law_in,
@@ -46,6 +51,7 @@ from .stated import (
     number_in,
     one_of,
     place_in,
+    point_in,
 )
 
 Solids: TypeAlias = Mapping[str, Solid]
@@ -67,32 +73,42 @@ def _named(value: Any) -> Any:
 if TYPE_CHECKING:
     Axis: TypeAlias = list[float]
     Local: TypeAlias = list[float]
-    Spot: TypeAlias = list[Any]
     Anywhere: TypeAlias = list[Any]
     Angles: TypeAlias = list[float]
     Moment: TypeAlias = float
     Turn: TypeAlias = float
     Share: TypeAlias = float
     Radius: TypeAlias = float
+    Lengths: TypeAlias = list[float]
+    Heights: TypeAlias = list[list[float]]
     Turned: TypeAlias = Any
 else:
-    Axis, Local, Spot = list_in("1", 3), list_in("m", 3), place_in("m")
+    Axis, Local = direction(), list_in("m", 3)
     Anywhere = place_in("m", named=True)
     Moment, Turn, Angles = number_in("kg m^2"), number_in("rad"), list_in("rad", 3)
     Share, Radius = number_in("1"), number_in("m")
+    Lengths, Heights = list_of(number_in("m")), list_of(list_of(number_in("m")))
 
 Name = Annotated[StrictStr, BeforeValidator(_named), AfterValidator(BodyRef)]
 JointName = Annotated[StrictStr, BeforeValidator(_named)]
 
 
 class PointEntry(Entry):
-    """A point of a body: ``at`` in body axes from its origin, or ``global`` in the initial pose."""
+    """A point of a body: ``at`` in body axes or at a named point, or ``global`` in the design position."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": ["at"]}, {"required": ["global"]}]})
 
     body: Name
-    at: Spot = Field(default_factory=list)
+    at: Anywhere = Field(default_factory=list)
     everywhere: Anywhere = Field(default_factory=list, alias="global")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _at_named_point(cls, data: Any) -> Any:
+        """A named point is in global axes."""
+        if isinstance(data, dict) and isinstance(data.get("at"), str) and "global" not in data:
+            return {"global" if key == "at" else key: value for key, value in data.items()}
+        return data
 
     @model_validator(mode="after")
     def _one_of_two(self) -> PointEntry:
@@ -104,6 +120,34 @@ class PointEntry(Entry):
         body = find(str(self.body), solids, "body")
         place = [one.build(solids) if hasattr(one, "build") else one for one in self.at or self.everywhere]
         return Point(body, place, "body" if self.at else "global")
+
+
+def _full_point(text: Any) -> Any:
+    """Return ``chassis.damper_top`` with the names in the whole model."""
+    if not isinstance(text, str) or "." not in text:
+        return text
+    return ".".join(full_name(text, name) for name in text.split("."))
+
+
+def _point_of_text(text: str, info: ValidationInfo) -> PointEntry:
+    """Return the point of ``chassis.damper_top``: where a hardpoint is, on a body."""
+    body, _, point = text.partition(".")
+    if not point:
+        remedy = "Write body.hardpoint, or {body: rod, at: [0, 0, 1]}."
+        raise invalid(f"must be a point of a body, but is {quote(text)}. {remedy}")
+    place = point_in(point, info)
+    return PointEntry.model_construct({"body", "everywhere"}, body=BodyRef(body), everywhere=place)
+
+
+def _point_form(value: Any) -> str:
+    return "text" if isinstance(value, str) else "mapping"
+
+
+_text_schema = {"type": "string", "description": "A body and a hardpoint: chassis.damper_top."}
+_PointText = marked(
+    StrictStr, BeforeValidator(_full_point), AfterValidator(_point_of_text), WithJsonSchema(_text_schema)
+)
+PointForm: Any = one_of(_point_form, text=_PointText, mapping=PointEntry)
 
 
 class FrameEntry(PointEntry):
@@ -162,6 +206,19 @@ class InertiaEntry(Entry):
         return self.model_dump()
 
 
+class SurfaceEntry(Entry):
+    """A surface through heights ``z`` over ``x`` and ``y``, a row for each x."""
+
+    instead: ClassVar[str] = " Or give a number alone, without a key."
+
+    x: Lengths
+    y: Lengths
+    z: Heights
+
+    def build(self, solids: Solids) -> Surface:
+        return Surface(self.x, self.y, self.z)
+
+
 def _number_or_table(value: Any) -> str:
     return "table" if isinstance(value, (dict, TableEntry)) else "number"
 
@@ -213,6 +270,16 @@ def _number_or_table_in(to: In, formula: bool = False) -> Any:
 
 def _matrix_in(unit: str) -> Any:
     return marked(list_of(list_in(unit, 3)), Field(min_length=3, max_length=3))
+
+
+def _surface_or_law(value: Any) -> str:
+    is_surface = isinstance(value, SurfaceEntry) or (isinstance(value, dict) and "table" not in value)
+    return "surface" if is_surface else _number_or_table(value)
+
+
+def _road_entry(to: In) -> Any:
+    number, table = law_in(to.unit, to.over, to.outputs, to.states), _table_in(to.unit, to.over)
+    return one_of(_surface_or_law, number=number, table=table, surface=SurfaceEntry)
 
 
 def _law_entry(to: In) -> Any:
@@ -291,24 +358,30 @@ class WrapEntry(Entry):
         return Wrap(self.center.build(solids), self.radius, self.axis or None, side)
 
 
+def _vector_in(to: In) -> Any:
+    if to.direction:
+        return direction()
+    return place_in(to.unit, to.named) if to.moving else list_in(to.unit, 3, to.named)
+
+
 _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(float).members: lambda to: number_in(to.unit),
-    typed(Vector).members: lambda to: (
-        place_in(to.unit, to.named) if to.moving else list_in(to.unit, 3, to.named)
-    ),
+    typed(Vector).members: lambda to: _vector_in(to),
     typed(Sequence[float]).members: lambda to: list_of(number_in(to.unit)),
     typed(Sequence[Sequence[float]]).members: lambda to: list_of(list_of(number_in(to.unit))),
     typed(Solid).members: lambda to: Name,
     typed(Solid | str).members: lambda to: Name,
     typed(Mapping[str, float]).members: lambda to: mapping_of(number_in(to.unit)),
-    typed(Point).members: lambda to: PointEntry,
+    typed(Point).members: lambda to: PointForm,
     typed(Frame).members: lambda to: FrameEntry,
     typed(Sequence[Wrap | None]).members: lambda to: list_of(WrapEntry | None),
-    typed(Sequence[Point]).members: lambda to: list_of(PointEntry),
+    typed(Sequence[Point]).members: lambda to: list_of(PointForm),
     typed(float | Curve).members: lambda to: _number_or_table_in(to),
     typed(str).members: lambda to: JointName,
+    typed(bool).members: lambda to: StrictBool,
     typed(float | Curve | Formula).members: lambda to: _number_or_table_in(to, formula=True),
     typed(Law).members: _law_entry,
+    typed(Law | Surface).members: _road_entry,
     typed(Sequence[Law]).members: lambda to: list_of(_law_entry(to)),
     typed(Load).members: _load_in,
     typed(Vector6).members: lambda to: list_in(to.unit, 6),

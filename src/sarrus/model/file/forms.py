@@ -17,10 +17,10 @@ from pydantic import create_model
 from ..checks.findings import Path
 from ..errors import ModelError, restated
 from ..expression import Expression
+from ..expression.formula_value import FormulaValue
 from ..registry import kind_name
 from ..show import quote
 from .fields import Solids, form_of
-from .numbers import FormulaValue
 from .stated import Entry, invalid
 
 PLURAL = {"body": "bodies", "point": "points", "frame": "frames", "joint": "joints"}

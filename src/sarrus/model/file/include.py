@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from pathlib import Path as FilePath
 from typing import Annotated, Any
@@ -13,13 +14,18 @@ from ..bodies.shape import REMEDY, VARIABLE, inside, listed
 from ..checks.findings import KINDS, Origin, Path, part_name
 from ..checks.names import NAME, matches
 from ..expansion.mappings import RATES
+from ..mirror_image import SIDES
 from ..show import quote, suggest
-from .scope import Scope, scoped
+from .hardpoints import SECTION as HARDPOINTS
+from .scope import Scope, full_name, scoped
+from .sides import SECTIONS as PARTS
 from .stated import Entry, invalid, list_of, one_of
 from .text.document import Document, refusal
 from .text.source import MOST as MOST_OF_FILE
 from .text.source import SHIPPED
 
+AXES = ("x", "y", "z")
+WORD = re.compile(r"[A-Za-z_][\w.]*")  # a name in a formula, which may have dots
 SECTIONS = (*KINDS, RATES)  # all else, such as gravity, counts only in the file that is loaded
 DEEPEST = 16  # files within files
 MOST = 500  # files of one model
@@ -38,7 +44,11 @@ class IncludeEntry(Entry):
 
     file: Annotated[StrictStr, Field(description="Relative to the folder of this file.")]
     prefix: Annotated[StrictStr, AfterValidator(_prefix)] = ""
-    parameters: dict[str, Any] = Field(default={}, description="New values of parameters of that file.")
+    parameters: dict[str, Any] = Field(
+        default={},
+        description="New values of parameters of that file, and of coordinates of its hardpoints [m].",
+    )
+    without: list[StrictStr] = Field(default=[], description="Parts of that file to leave out, by name.")
 
 
 def _form(value: Any) -> str:
@@ -78,17 +88,20 @@ class _Gatherer:
         for place, entry in enumerate(entries):
             part = self._part(document, ("include", place), entry, chain, scope)
             _join(whole, part, document, ("include", place))
+            whole = whole._replace(mirrored=whole.mirrored | part.mirrored)
         return whole
 
     def _part(
         self, document: Document, at: Path, entry: IncludeEntry, chain: tuple[FilePath, ...], scope: Scope
     ) -> Document:
+        from .hardpoints import with_unit
         from .load import read
+        from .sides import with_sides
 
         path = chain[-1].parent / entry.file
         self._check(document, at, path, chain)
         inner = Scope(scope.prefix + entry.prefix, scope)
-        read_one = read(FilePath(document.origin.file).parent / entry.file)
+        read_one = with_sides(with_unit(read(FilePath(document.origin.file).parent / entry.file)))
         self.entries += len(read_one.origin.lines)
         if self.entries > MOST_OF_FILE:
             message = f"includes more than {MOST_OF_FILE:,} entries. Build such a model in Python."
@@ -96,7 +109,7 @@ class _Gatherer:
         part = self.gather(_checked(read_one), (*chain, path.resolve()), inner)
         scope.names |= {entry.prefix + name for name in inner.names}
         _override(part, entry.parameters, inner, document, at, scope)
-        return part
+        return _without(part, entry.without, inner.prefix, document, at)
 
     def _check(self, document: Document, at: Path, path: FilePath, chain: tuple[FilePath, ...]) -> None:
         self.count += 1
@@ -159,7 +172,8 @@ def _renamed(document: Document, scope: Scope) -> Document:
     alone = {key: value for key, value in data.items() if key != "include"}
     lines = {_under(path, scope.prefix): line for path, line in origin.lines.items()}
     files = {path[:2]: origin.file for path in lines if path and path[0] in SECTIONS}
-    return Document({**alone, **sections}, Origin(origin.file, lines, files))
+    mirrored = frozenset(scope.prefix + name for name in document.mirrored)
+    return Document({**alone, **sections}, Origin(origin.file, lines, files), mirrored)
 
 
 def _section(data: dict[str, Any], section: str) -> dict[str, Any]:
@@ -185,23 +199,98 @@ def _join(whole: Document, part: Document, document: Document, at: Path) -> None
     lines = {path: line for path, line in part.origin.lines.items() if len(path) > 1 and path[0] in SECTIONS}
     whole.origin.lines.update(lines)
     whole.origin.files.update(part.origin.files)
+    whole.origin.given.update(part.origin.given)
 
 
 def _override(
     part: Document, given: dict[str, Any], inner: Scope, document: Document, at: Path, scope: Scope
 ) -> None:
-    """Replace parameters of an included file by the values that the include gives."""
-    own = _section(part.data, "parameters")
+    """Replace parameters and coordinates of hardpoints of an included file by the values that the include gives."""
+    own, points = _section(part.data, "parameters"), _section(part.data, HARDPOINTS)
+    changed: dict[str, str] = {}
     for place, value in _leaves(given):
         name = ".".join(place)
         path = f"{inner.prefix}{place[0]}", *place[1:]
+        entry = (*at, "parameters", *(place if place[0] in given else (name,)))
+        changed[".".join(path)] = document.origin.where(entry)
+        if path[0] in points:
+            for axis in _move(points[path[0]], place, value, scope, document, at):
+                _set_place(part.origin, (HARDPOINTS, path[0], axis), document, entry)
+            continue
         holder = own.get(path[0]) if path[1:] else own
         if not isinstance(holder, dict) or isinstance(holder.get(path[-1], {}), dict):
-            message = f"gives the unknown parameter {quote(name)}. {suggest(name, _names(own, inner.prefix))}"
+            known = _names({**points, **own}, inner.prefix)
+            message = f"gives the unknown parameter {quote(name)}. {suggest(name, known)}"
             raise _wrong(document, (*at, "parameters", name), message)
         holder[path[-1]] = scoped(value, scope)
-        part.origin.lines["parameters", *path] = document.origin.line((*at, "parameters", *place))
-        part.origin.files["parameters", path[0]] = document.origin.file
+        _set_place(part.origin, ("parameters", *path), document, entry)
+    _note_users(part, changed)
+
+
+def _set_place(origin: Origin, path: Path, document: Document, entry: Path) -> None:
+    """Note that the value at a path is from an entry of the including document."""
+    origin.lines[path], origin.files[path] = document.origin.line(entry), document.origin.file
+
+
+def _note_users(part: Document, changed: dict[str, str]) -> None:
+    """Note the places of changed values, by name, for the entries whose formulas use them, also by other parameters."""
+    texts = _texts({section: _section(part.data, section) for section in SECTIONS})
+    names = {path: {full_name(text, word) for word in WORD.findall(text)} for path, text in texts}
+    given = part.origin.given
+    while changed:
+        users = {
+            path: changed[name]
+            for path, words in names.items()
+            for name in words & changed.keys()
+            if path not in given
+        }
+        given.update(users)
+        changed = {".".join(map(str, path[1:])): where for path, where in users.items()}
+
+
+def _texts(data: Any, path: Path = ()) -> Iterator[tuple[Path, str]]:
+    """Yield the texts in plain data, with their paths."""
+    if isinstance(data, str):
+        yield path, data
+    elif isinstance(data, dict | list):
+        for key, value in data.items() if isinstance(data, dict) else enumerate(data):
+            yield from _texts(value, (*path, key))
+
+
+def _move(
+    point: Any, place: tuple[str, ...], value: Any, scope: Scope, document: Document, at: Path
+) -> Iterator[int]:
+    """Replace one coordinate of a hardpoint, ``ball.z``, or all three, ``ball: [x, y, z]``; yield their indices."""
+    axes = place[1:] if len(place) > 1 else AXES
+    values = [value] if len(place) > 1 else value
+    if not (isinstance(point, list) and len(point) == len(AXES)):
+        return  # it is refused where the hardpoints are read
+    if not set(axes) <= set(AXES) or not isinstance(values, list) or len(values) != len(axes):
+        name = ".".join(place)
+        message = f"gives {quote(name)}, which is no coordinate of a hardpoint. Give {place[0]}.x, .y or .z,"
+        entry = place[0] if len(place) == 1 else name
+        raise _wrong(document, (*at, "parameters", entry), f"{message} or all three in a list.")
+    for axis, one in zip(axes, values, strict=True):
+        point[AXES.index(axis)] = scoped(one, scope)
+        yield AXES.index(axis)
+
+
+def _without(part: Document, names: list[str], prefix: str, document: Document, at: Path) -> Document:
+    """Return an included file without some of its parts; a name of a side is that of the parts of both sides."""
+    data, sides = dict(part.data), [f"{prefix}{name}" for name in names]
+    for name in sides:
+        own = {name, *(f"{name}_{side}" for side in SIDES if f"{name}_{side}" in part.mirrored)}
+        found = [section for section in PARTS if own & _section(data, section).keys()]
+        if not found:
+            known = [one.removeprefix(prefix) for section in PARTS for one in _section(data, section)]
+            message = f"leaves out {quote(name.removeprefix(prefix))}, which that file does not have"
+            raise _wrong(
+                document, (*at, "without"), f"{message}. {suggest(name.removeprefix(prefix), known)}"
+            )
+        for section in found:
+            data[section] = {key: entry for key, entry in _section(data, section).items() if key not in own}
+    left = {name for section in PARTS for name in _section(data, section)}
+    return Document(data, part.origin, frozenset(part.mirrored & left))
 
 
 def _leaves(given: dict[str, Any]) -> Iterator[tuple[tuple[str, ...], Any]]:

@@ -15,8 +15,13 @@ from ..expression.functions import CONSTANTS
 from ..model import registered_kinds
 from ..show import quote
 from .forms import entry_model, tagged_model
+from .hardpoints import Form as HardpointsForm
 from .include import IncludeForm
 from .stated import Entry, invalid, list_in, list_of, mapping_of, marked, number_in, one_of
+
+LEFT = "Parts of the left side, NAME_left. Their mirror images about the plane y = 0 are NAME_right."
+RIGHT = "Parts of the right side, NAME_right. Their mirror images about the plane y = 0 are NAME_left."
+RIG = "Wheels and sweeps of a suspension, for `sarrus suspension`; the model is without them."
 
 
 def layout(data: Any = None) -> type[Entry]:
@@ -65,19 +70,37 @@ def _layout(joints: tuple[type, ...], drivers: tuple[type, ...], forces: tuple[t
             Field(default={}, description="Numbers and formulas by name, or groups of them."),
         ),
         "points": (mapping_of(list_in("m", 3)), Field(default={}, description="Global points by name.")),
+        "hardpoints": (
+            HardpointsForm,
+            Field(default={}, description="Design points by name, in global axes."),
+        ),
         "bodies": (mapping_of(entry_model(Body, tagged=False)), Field(description="By name.")),
         "joints": (mapping_of(_any_of(joints)), Field(default={}, description="By name.")),
         "drivers": (mapping_of(_any_of(drivers)), Field(default={}, description="By name.")),
         "forces": (mapping_of(_any_of(forces)), Field(default={}, description="By name.")),
+        "left": (_side(joints, drivers, forces), Field(default=None, description=LEFT)),
+        "right": (_side(joints, drivers, forces), Field(default=None, description=RIGHT)),
         "rates": (
             mapping_of(number_in("")),
             Field(default={}, description="Initial rates of joints by name [rad/s], [m/s]."),
         ),
         "outputs": (mapping_of(StrictStr), Field(default={}, description="Names for formulas of outputs.")),
+        "rig": (dict[str, Any], Field(default={}, description=RIG)),
     }
     doc = "A mechanism: SI units, angles in radians, Euler parameters scalar first."
     model: type[Entry] = create_model("ModelFile", __base__=Entry, __doc__=doc, **definitions)
     return model
+
+
+def _side(*kinds: tuple[type, ...]) -> Any:
+    """The form of the parts of one side."""
+    names = ("joints", "drivers", "forces")
+    sections: dict[str, Any] = {"bodies": (mapping_of(entry_model(Body, tagged=False)), Field(default={}))}
+    sections |= {
+        name: (mapping_of(_any_of(own)), Field(default={})) for name, own in zip(names, kinds, strict=True)
+    }
+    doc = "Parts of one side: the left one if y is positive."
+    return create_model("Side", __base__=Entry, __doc__=doc, **sections) | None
 
 
 def _any_of(kinds: tuple[type, ...]) -> Any:

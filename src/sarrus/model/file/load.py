@@ -14,18 +14,19 @@ from ..checks.arguments import checked
 from ..checks.findings import KINDS, Findings
 from ..checks.other_programs import with_own_types
 from ..drivers import Driver
-from ..errors import ModelError
 from ..expansion.expand import expand
 from ..expansion.mappings import RATES, check_units
 from ..expression import Expression, Name, parse
+from ..expression.formula_value import FormulaValue
 from ..forces import Force
 from ..geometry.points import GROUND, ground
 from ..joints import Joint
 from ..laws.formulas import Formulas
+from ..mirror_image import Image, other_side
 from ..model import Model
+from ..preparation.named_parameters import formulas_of
 from ..quantity import number
-from ..show import quote, suggest
-from ..written import with_numbers, written_numbers
+from ..written import with_parameters
 from .scope import Text, full_name
 from .text.source import SHIPPED, SUFFIXES, root_tag
 
@@ -45,9 +46,9 @@ def load(
     Parameters
     ----------
     path
-        A file whose name ends in ``.yaml``, ``.yml`` or ``.json``, see docs/model-file.md; or ``"slider_crank"`` or
-        ``"hmmwv"``, which come with the package; or a file that `load_any` reads. If the ending and the content are of
-        different formats, the content counts.
+        A file whose name ends in ``.yaml``, ``.yml`` or ``.json``, see docs/model-file.md; or ``"slider_crank"``,
+        ``"hmmwv"``, ``"hmmwv_driving"`` or ``"car"``, which come with the package; or a file that `load_any` reads. If
+        the ending and the content are of different formats, the content counts.
     parameters
         New values for parameters of a model file: numbers in SI units, or texts as in the file.
     options
@@ -74,24 +75,27 @@ def load(
 
 def loaded(document: Document, parameters: Mapping[str, float | str] | None = None) -> Model:
     """Return the checked model of a document, with the files that it includes; see `load`."""
+    from .hardpoints import refuse_second_meaning, with_unit
     from .include import with_included
     from .numbers import Numbers
+    from .sides import with_sides
 
-    document = with_included(document)
+    document = with_included(with_sides(with_unit(document)))
     of_parts = exchange(document, parameters or {})
     numbers = Numbers(document.data)
-    model = build_model(validate(document, numbers), document, numbers)
+    entry = validate(document, numbers)
+    refuse_second_meaning(document)
+    model = build_model(entry, document, numbers)
     if of_parts:
-        model = _with_numbers(model, of_parts)
+        model = with_parameters(model, of_parts)
     check_units(expand(model), _written_rates(model), model.origin, model.formulas.definitions)
     return model
 
 
 def shipped(path: str | os.PathLike[str]) -> Path:
     """The path itself, or that of a mechanism of the package if a name of one is given and there is no such file."""
-    own = SHIPPED / f"{path}.yaml"
     plain = str(path).isidentifier() and not Path(path).exists()
-    return own if plain and own.is_file() else Path(path)
+    return next(SHIPPED.rglob(f"{path}.yaml"), Path(path)) if plain else Path(path)
 
 
 def _written_rates(model: Model) -> dict[str, Expression]:
@@ -122,6 +126,11 @@ def exchange(document: Document, new: Mapping[str, float | str]) -> dict[str, fl
     data = document.data if isinstance(document.data, dict) else {}
     for name, value in new.items():
         *group, inner = name.split(".")
+        if name.partition(".")[0] in document.mirrored:  # the file has the number of both sides
+            left[name] = value
+            continue
+        if _moved_hardpoint(data.get("hardpoints"), group, inner, value):
+            continue
         sections = [data.get("parameters"), *(data.get(section) for section in KINDS if group)]
         holders = [reduce(_entry_of, group, section) for section in sections]
         holder = next((one for one in holders if isinstance(one, dict) and inner in one), None)
@@ -132,17 +141,17 @@ def exchange(document: Document, new: Mapping[str, float | str]) -> dict[str, fl
     return left
 
 
+def _moved_hardpoint(table: Any, group: list[str], axis: str, value: float | str) -> bool:
+    """Replace a coordinate of a hardpoint; return whether there is one."""
+    place = table.get(group[0]) if isinstance(table, dict) and len(group) == 1 else None
+    if not isinstance(place, list) or len(place) != 3 or axis not in ("x", "y", "z"):
+        return False
+    place["xyz".index(axis)] = value if isinstance(value, str) else number(value, f"{group[0]}.{axis}")
+    return True
+
+
 def _entry_of(data: Any, key: str) -> Any:
     return data.get(key) if isinstance(data, dict) else None
-
-
-def _with_numbers(model: Model, new: Mapping[str, float | str]) -> Model:
-    known = [*model.parameters, *written_numbers(model)]
-    for name, value in new.items():
-        if name not in known:
-            raise ModelError(f"there is no parameter {quote(name)}. {suggest(name, known)}", part="model")
-        number(value, name, "Give a number in SI units.")
-    return with_numbers(model, new)
 
 
 def validate(document: Document, numbers: Numbers) -> Entry:
@@ -162,17 +171,32 @@ def validate(document: Document, numbers: Numbers) -> Entry:
 def build_model(entry: Any, document: Document, numbers: Numbers) -> Model:
     """Return the model that a validated file describes."""
     from .forms import formulas
+    from .sides import images
 
     with Findings(document.origin) as findings:
+        image = Image({name: other_side(name) for name in document.mirrored}, complete=True)
         bodies = build_parts(entry.bodies, "bodies", {"": Body}, {}, findings)
-        refused = {
-            name: Body(name, 1.0, (1.0, 1.0, 1.0)) for name in entry.bodies
-        }  # which others may connect
-        solids = {GROUND: ground, **refused, **{body.name: body for body in bodies}}
+        image.add(bodies)
+        of_bodies = images(image, bodies, "bodies", findings)
+        names = [name for one in entry.bodies for name in (one, image.names.get(one, one))]
+        refused = {name: Body(name, 1.0, (1.0, 1.0, 1.0)) for name in names}  # which others may connect
+        solids = {GROUND: ground, **refused, **{body.name: body for body in (*bodies, *of_bodies)}}
         joints = build_parts(entry.joints, "joints", Joint.kinds, solids, findings)
         drivers = build_parts(entry.drivers, "drivers", Driver.kinds, solids, findings)
         forces = build_parts(entry.forces, "forces", Force.kinds, solids, findings)
-    file_formulas = Formulas(numbers.parameters(), dict(formulas(entry)), numbers.trees, dict(entry.points))
+        given = {"joints": joints, "drivers": drivers, "forces": forces}
+        image.add((*joints, *drivers, *forces))
+        mirrored = {"bodies": of_bodies} | {
+            section: images(image, own, section, findings) for section, own in given.items()
+        }
+    parameters, hardpoints = numbers.parameters(), {name: numbers.unit_of(name) for name in entry.hardpoints}
+    trees = {path: tree for path, tree in formulas(entry) if path[0] != "hardpoints"}
+    trees |= {path: x.expression for path, x in formulas_of(mirrored) if isinstance(x, FormulaValue)}
+    file_formulas = Formulas(parameters, trees, numbers.trees, dict(entry.points), hardpoints)
+    bodies, joints, forces, drivers = (
+        [*own, *mirrored[section]]
+        for section, own in (("bodies", bodies), ("joints", joints), ("forces", forces), ("drivers", drivers))
+    )
     parts = bodies, joints, forces, entry.gravity, drivers
     name = Path(document.origin.file).stem if entry.name is None else entry.name
     outputs = _outputs(document.data.get("outputs", {}))

@@ -10,8 +10,10 @@ from ..bodies.body import Body
 from ..checks.findings import KINDS
 from ..errors import ModelError
 from ..expression import Expression, Name, Number, parse
+from ..expression.formula_value import FormulaValue
 from ..expression.units import Powers, powers_of, unit_of
 from ..forces.by_formula import known_powers
+from ..hardpoints import written_number
 from ..laws.text_units import check_function_unit, check_unit, variable_of
 from ..measure import In, measures
 from ..model import registered_kinds
@@ -31,12 +33,6 @@ FOLLOWED = {
     "input": "",
 }
 FORMS = "Write it as in 1.5e-3, 20 mm or 2*${l}."
-
-
-class FormulaValue(float):
-    """A number that a formula gave."""
-
-    expression: Expression
 
 
 class Home(NamedTuple):
@@ -135,7 +131,13 @@ class Numbers:
         if name in self._parameter_names():
             return True
         homes = [home for home in self._homes(name) if home.steps and home.steps[0] not in output_words()]
-        return any(isinstance(self._walk(home.entry, home.steps), int | float | str) for home in homes)
+        values = [self._walk(home.entry, home.steps) for home in homes]
+        return any(isinstance(one, int | float | str) and not self._is_part(one) for one in values)
+
+    def _is_part(self, value: Any) -> bool:
+        """Whether a field has the name of a joint or a force, as ``output: axle`` of a transmission has."""
+        parts = {**self._section("joints"), **self._section("forces")}
+        return isinstance(value, str) and value in parts and value not in self._parameter_names()
 
     def _is_input(self, name: str) -> bool:
         """Whether a name is that of an input."""
@@ -149,11 +151,32 @@ class Numbers:
 
     def point(self, text: str) -> Any:
         """Return the entries of a named point as they are written."""
-        name, points = full_name(text, text), self._section("points")
+        name, points, hardpoints = full_name(text, text), self._section("points"), self._section("hardpoints")
+        if name in hardpoints:
+            return [f"{name}.{axis}" for axis in "xyz"]
         if name not in points:
             given = f"has the unknown point {quote(text)}"
-            raise ModelError(f"{given}. {self._hint(name, lambda: points, 'points')}")
+            raise ModelError(f"{given}. {self._hint(name, lambda: [*hardpoints, *points], 'hardpoints')}")
         return points[name]
+
+    def axis(self, first: str, second: str) -> list[str]:
+        """Return the components of the vector from one named point to another, as formulas.
+
+        Raises
+        ------
+        ModelError
+            For unknown points, and for equal ones.
+        """
+        for name in (first, second):
+            self.point(name)
+        names = [[f"{full_name(name, name)}.{axis}" for name in (first, second)] for axis in "xyz"]
+        for name in (one for pair in names for one in pair):
+            self._need(name, name)
+        if all(self.values[a] == self.values[b] for a, b in names):
+            raise ModelError(
+                f"is through {quote(first)} and {quote(second)}, which are equal. Move one of them."
+            )
+        return [f"{b} - {a}" for a, b in names]
 
     def tree(self, text: str, *variables: str) -> Expression:
         """Return the formula of a text under the full names, all of which have values then."""
@@ -171,6 +194,12 @@ class Numbers:
         for name in names:
             self._need(name, name)
         return {name: self.values[name] for name in names}
+
+    def unit_of(self, hardpoint: str) -> str:
+        """Return the unit in which the coordinates of a hardpoint are given; that of most, if they have several."""
+        trees = (self.trees[f"{hardpoint}.{axis}"] for axis in "xyz")
+        units = [written_number(tree)[1] for tree in trees]
+        return max(units, key=units.count) or "m"
 
     def _need(self, name: str, text: str, variables: tuple[str, ...] = ()) -> None:
         """Work out the value of a name; the variables of its formula are offered where it is unknown."""
@@ -224,7 +253,7 @@ class Numbers:
         """Return what a path leads to, or None."""
         for step in steps:
             if isinstance(value, str):
-                value = self._section("points").get(full_name(value, value))
+                value = self._place(full_name(value, value))
             if isinstance(value, dict):
                 value = value.get(step)
             else:
@@ -232,8 +261,12 @@ class Numbers:
                 value = value[place] if isinstance(value, list) and 0 <= place < len(value) else None
         return value
 
+    def _place(self, name: str) -> Any:
+        """Return the entries of a hardpoint or a point; None for an unknown name."""
+        return self._section("hardpoints").get(name, self._section("points").get(name))
+
     def _declared(self, home: Home) -> str | None:
-        if home.section in ("parameters", "points"):
+        if home.section in ("parameters", "points", "hardpoints"):
             return None if home.section == "parameters" else "m"
         name = str(home.entry.get("type")) if isinstance(home.entry, dict) else ""
         kind = Body if home.section == "bodies" else registered_kinds().get(home.section, {}).get(name)
@@ -265,7 +298,8 @@ class Numbers:
     def _parameter_names(self) -> list[str]:
         groups = self._section("parameters").items()
         inner = ([f"{k}.{name}" for name in v] if isinstance(v, dict) else [k] for k, v in groups)
-        return [name for names in inner for name in names]
+        points = (f"{name}.{axis}" for name in self._section("hardpoints") for axis in "xyz")
+        return [*(name for names in inner for name in names), *points]
 
     def _part_numbers(self) -> list[str]:
         points = [f"{name}.{axis}" for name in self._section("points") for axis in "xyz"]

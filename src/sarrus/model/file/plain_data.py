@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from functools import cached_property
@@ -18,9 +19,11 @@ from ..expression.tree import Name
 from ..forces import Force
 from ..forces.by_formula import has_outputs
 from ..geometry.points import Frame, Point, Solid
+from ..hardpoints import written_number
 from ..joints import Joint
 from ..laws.curve import Curve, Formula, Tree
 from ..laws.law import Law
+from ..laws.surface import Surface
 from ..laws.text_units import variable_of
 from ..measure import TypedField, typed
 from ..model import Model, registered_kinds
@@ -29,11 +32,16 @@ from ..registry import kind_name
 from .forms import Slot, refuse_undescribable, slots
 from .layout import layout
 
+DIGITS = range(6, 18)  # of a number in the unit of the file
 GIVE_TEXT = 'Give a formula as a text, as in "50 + 10*x", or a table of pairs [x, y].'
 
 
 class Spot(list[float]):
     """Global coordinates, for which the name of a point of the file may stand."""
+
+
+class Axis(list[float]):
+    """A direction, which may be given by two points of the file."""
 
 
 def written(value: Any, hint: Any = None, field: str = "") -> Any:
@@ -59,6 +67,8 @@ def written(value: Any, hint: Any = None, field: str = "") -> Any:
     if Sequence[Law] in kind.members and is_list(value):
         return [_law(part, kind, field) for part in value]
     found = _plain(value)
+    if kind.measure.direction and isinstance(found, list):
+        return Axis(found)
     return Spot(found) if kind.measure.named and isinstance(found, list) else found
 
 
@@ -72,7 +82,10 @@ def _plain(value: Any) -> Any:
             **({"at": place} if value.axes == "body" else {"global": Spot(place)}),
         }
     if isinstance(value, Frame):
-        return {**_plain(value.point), **_given({"x": value.x, "z": value.z})}
+        return {
+            **_plain(value.point),
+            **{key: Axis(x) for key, x in _given({"x": value.x, "z": value.z}).items()},
+        }
     if isinstance(value, Mapping):
         return {key: _plain(entry) for key, entry in value.items()}
     if is_dataclass(value) and not isinstance(value, type | Expression):
@@ -90,10 +103,12 @@ def _given(entries: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _law(value: Any, kind: TypedField, field: str) -> Any:
-    """Return a number, a formula or a table."""
+    """Return a number, a formula, a table or a surface."""
     variable = variable_of(kind.measure.over)
     if isinstance(value, str):
         return parse(value)
+    if isinstance(value, Surface):
+        return {name: getattr(value, name).tolist() for name in ("x", "y", "z")}
     if isinstance(value, Curve):
         if not value.pairs:
             message = f"{field} is a curve of cubics, which a model file cannot contain"
@@ -154,6 +169,7 @@ class _Writer:
             "name": self.model.name,
             "gravity": written(self.model.gravity) if self.complete or any(self.model.gravity) else [],
             "parameters": self._parameters(),
+            "hardpoints": self._hardpoints(),
             "points": self._points(),
             **{
                 name: {part.name: self._part(name, part) for part in parts}
@@ -169,11 +185,39 @@ class _Writer:
 
     def _parameters(self) -> dict[str, Any]:
         formulas, parameters = self.model.formulas, dict[str, Any]()
+        coordinates = {f"{name}.{axis}" for name in formulas.hardpoints for axis in "xyz"}
         for name, value in formulas.parameters.items():
+            if name in coordinates:
+                continue
             group, _, inner = name.rpartition(".")
             holder = parameters.setdefault(group, {}) if group else parameters
             holder[inner] = formulas.definitions.get(name, float(value))
         return parameters
+
+    def _hardpoints(self) -> dict[str, Any]:
+        """Return the table of hardpoints, each coordinate as it is given."""
+        formulas, units = self.model.formulas, [*self.model.formulas.hardpoints.values()]
+        unit = max(units, key=units.count) if units else "m"
+        return (
+            {"unit": unit}
+            | {
+                name: [self._coordinate(formulas.definitions[f"{name}.{axis}"], unit) for axis in "xyz"]
+                for name in formulas.hardpoints
+            }
+            if units
+            else {}
+        )
+
+    def _coordinate(self, tree: Expression, unit: str) -> str | float:
+        """Return a coordinate as a number in the unit of the table, or a text."""
+        number, own = written_number(tree)
+        if number:
+            return float(number) if own == unit else f"{number} {own}"
+        if not isinstance(tree, Number):
+            return self._text(tree)
+        value = float(tree.number)
+        text = in_unit(value, unit)
+        return float(text.partition(" ")[0]) if text else f"{value!r} m"
 
     def _points(self) -> dict[str, Any]:
         trees = self.model.formulas.expressions
@@ -245,7 +289,8 @@ class _Writer:
         if isinstance(value, list):
             if isinstance(value, Spot) and (name := self._point_at(value, path)):
                 return name
-            return [self._texts(entry, (*path, n)) for n, entry in enumerate(value)]
+            texts = [self._texts(entry, (*path, n)) for n, entry in enumerate(value)]
+            return self._by_hardpoints(texts) if isinstance(value, Spot | Axis) else texts
         tree = self.model.formulas.expressions.get(path)
         if tree is not None and isinstance(value, float) and _bits(tree.value(self._values)) == _bits(value):
             return self._text(tree)
@@ -257,6 +302,17 @@ class _Writer:
         if isinstance(tree, Number) and tree.unit in ("", "1") and not tree.written.isidentifier():
             return float(tree.number)
         return str(tree)
+
+    def _by_hardpoints(self, texts: list[Any]) -> Any:
+        """Return the hardpoint, or the two through which an axis is, that formulas of coordinates describe."""
+        names = [tuple(re.findall(r"[^\W\d]\w*(?=\.[xyz])", str(text))) for text in texts]
+        if len(set(names)) != 1 or not names[0] or not set(names[0]) <= self.model.formulas.hardpoints.keys():
+            return texts
+        if texts == [f"{names[0][0]}.{axis}" for axis in "xyz"]:
+            return names[0][0]
+        if len(names[0]) == 2 and texts == ["{0}.{2} - {1}.{2}".format(*names[0], axis) for axis in "xyz"]:
+            return [*names[0][::-1]]
+        return texts
 
     def _point_at(self, place: Spot, path: Path) -> str:
         """Return the name of the point of the file that has these coordinates, by the same formulas."""
@@ -273,6 +329,13 @@ class _Writer:
             tree = self.model.formulas.expressions.get((*path, n))
             value = _bits(x if tree is None else tree.value(self._values))
             yield (value, str(tree)) if path[0] == "points" or value == _bits(x) else (_bits(x), "")
+
+
+def in_unit(value: float, unit: str) -> str:
+    """Return a number in SI units in another unit, with the fewest digits that give all of its bits; empty if none."""
+    guess = value / float(parse(f"1 {unit}").value())
+    texts = (f"{guess:.{digits}g} {unit}" for digits in DIGITS)
+    return next((text for text in texts if float(parse(text).value()) == value), "")
 
 
 def _slot_value(slot: Slot, part: Any) -> Any:

@@ -17,18 +17,16 @@ from ..checks.arguments import checked
 from ..checks.findings import Path
 from ..errors import ModelError, SarrusWarning
 from ..expansion.blueprint import Blueprint, Placement, blueprint
-from ..expression import Expression, Number, parse
+from ..expression import Expression, Number
 from ..model import Model
 from ..quantity import is_list
 from ..show import quote
 from .load import load, loaded, parsed
-from .plain_data import plain_data
+from .plain_data import in_unit, plain_data
 from .replaced_file import replacing
 from .text.model_text import json_text, scalar_text, yaml_text
 from .text.source import SUFFIXES, read_text
 from .text.yaml_document import FAST
-
-DIGITS = range(6, 18)  # of a number in the unit of the file
 
 
 @checked
@@ -94,10 +92,8 @@ def _in_unit(tree: Expression | None, value: Any) -> Any:
     """Return a number in the unit that the file has it in, with the fewest digits that give all of its bits."""
     if not isinstance(tree, Number) or not tree.written or isinstance(value, str) or not tree.number:
         return value
-    number, _, unit = tree.written.partition(" ")
-    guess = value / tree.number * float(number)
-    texts = [f"{guess:.{digits}g} {unit}" for digits in DIGITS] if unit else []
-    return next((text for text in texts if float(parse(text).value()) == value), value)
+    unit = tree.written.partition(" ")[2]
+    return (in_unit(value, unit) if unit else "") or value
 
 
 def _replace(file: FilePath, text: str) -> None:

@@ -18,8 +18,8 @@ def schema() -> dict[str, Any]:
 
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
     whole = layout().model_json_schema(by_alias=True, schema_generator=UntitledSchema)
-    whole["required"].remove("bodies")  # which may come from included files
-    return head | whole | {"anyOf": [{"required": ["bodies"]}, {"required": ["include"]}]}
+    whole["required"].remove("bodies")  # which may come from included files, or be on a side
+    return head | whole | {"anyOf": [{"required": [key]} for key in ("bodies", "include", "left", "right")]}
 
 
 def schema_text() -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache, partial, reduce
 from types import GenericAlias
 from typing import Annotated, Any, ClassVar, Literal, TypeAlias
@@ -29,10 +30,11 @@ from pydantic_core import PydanticCustomError
 from ..errors import ModelError
 from ..expression import Expression
 from ..expression import Number as Constant
+from ..expression.formula_value import FormulaValue
 from ..laws.curve import Formula, Tree
 from ..laws.text_units import variable_of
 from ..show import quote, suggest
-from .numbers import Echo, FormulaValue, Numbers
+from .numbers import Echo, Numbers
 from .text.document import NUMBER
 
 
@@ -102,6 +104,17 @@ def list_in(unit: str, count: int, named: bool = False) -> Any:
 
 
 @cache
+def direction() -> Any:
+    """Return the form of a direction: three plain numbers or lengths, or the names of two points."""
+    component = marked(number_in("1"), WrapValidator(_component))
+    numbers = marked(list_of(component), Field(min_length=3, max_length=3))
+    vector = {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 3, "maxItems": 3}
+    points = {"type": "array", "items": {"type": "string", "description": "The name of a point."}}
+    schema = {"anyOf": [vector, {**points, "minItems": 2, "maxItems": 2}]}
+    return marked(numbers, WrapValidator(_direction), WithJsonSchema(schema))
+
+
+@cache
 def place_in(unit: str, named: bool = False) -> Any:
     """Return the form of three coordinates, which may be formulas in t: those of a point that moves."""
     place = marked(list_of(law_in(unit, "s")), Field(min_length=3, max_length=3), AfterValidator(_moving))
@@ -165,8 +178,29 @@ def _moving(place: list[Any], info: ValidationInfo) -> list[Any]:
     ]
 
 
+def point_in(name: str, info: ValidationInfo) -> list[float]:
+    """Return the coordinates of a named point. [m]"""
+    numbers = _numbers(info)
+    return [
+        _reported(numbers.number, x, "m") if isinstance(x, str) else x for x in _reported(numbers.point, name)
+    ]
+
+
 def _point(value: Any, handler: Handler, info: ValidationInfo) -> Any:
     return handler(_reported(_numbers(info).point, value) if isinstance(value, str) else value)
+
+
+def _component(value: Any, handler: Handler, info: ValidationInfo) -> Any:
+    """A component of a direction; one that is no plain number may be a length."""
+    with suppress(ModelError):
+        return _numbers(info).number(value, "m") if isinstance(value, str) else handler(value)
+    return handler(value)
+
+
+def _direction(value: Any, handler: Handler, info: ValidationInfo) -> Any:
+    if isinstance(value, list) and len(value) == 2 and all(isinstance(one, str) for one in value):
+        value = _reported(_numbers(info).axis, *value)
+    return handler(value)
 
 
 def _function(unit: str, over: str, value: Any, handler: Handler, info: ValidationInfo) -> Any:

@@ -60,7 +60,10 @@ class WithParameters:
     def recorded_law(self, recording: Recording, field: str, law: Any, over: str | None = None) -> Recorded:
         """Return a law of this part on the recording of another one."""
         outer = recording.parameters, recording.field
-        recording.parameters, recording.field = self.checked_parameters(), field
+        owner = (
+            f"{getattr(self, 'name', '')}." if recording.within else ""
+        )  # for the recording of another part
+        recording.parameters, recording.field = self.checked_parameters(), f"{owner}{field}"
         value = recording.law(law, over)
         recording.parameters, recording.field = outer
         return value

@@ -13,6 +13,7 @@ from ..geometry.placement import AboutAxis, points_apart, refuse_same_body
 from ..geometry.points import Frame, Point
 from ..geometry.pose import Poses
 from ..measure import Angle, In, Length, Ratio
+from ..parity import AXIAL, declared
 from ..primitive import Primitive
 from ..quantity import not_negative, number, positive, regularization
 from ..show import show
@@ -74,6 +75,8 @@ class SphereContact(ContactLaw, Force):
         [m/s] Speed of regularization: a sticking contact creeps at a speed below this value.
     """
 
+    parity = declared(plane="polar")
+
     center: Point
     plane: Frame
     radius: Length = 0.0
@@ -119,7 +122,7 @@ class LengthStop(Limits, ContactLaw, Force):
     Parameters
     ----------
     point_i, point_j
-        A point on each of two bodies, which may not coincide in the initial pose.
+        A point on each of two bodies, which may not coincide in the design position.
     """
 
     point_i: Point
@@ -165,6 +168,8 @@ class AngleStop(Limits, ContactLaw, AboutAxis, Force):
     rounding
         Depth [rad] over which the torque sets in smoothly, as in `LengthStop`.
     """
+
+    parity = AXIAL
 
     lower: Angle | None = field(default=None, kw_only=True)
     upper: Angle | None = field(default=None, kw_only=True)

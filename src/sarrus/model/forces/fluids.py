@@ -21,6 +21,7 @@ from ..geometry.pose import Poses
 from ..laws.law import Law, scaled, varies
 from ..laws.recorded import Recording
 from ..measure import In, Offset, Ratio, Velocity
+from ..parity import declared
 from ..primitive import Primitive
 from ..quantity import LARGEST, Vector, not_negative, number, positive, regularization, vector
 from ..signals import Measure, Signal, Signals
@@ -154,6 +155,8 @@ class Drag(Force):
         [m/s] |u| is √(u² + creep²), so that the law has all its derivatives at rest.
     """
 
+    parity = declared(wind="polar")
+
     point: Point
     c: Annotated[Law, In("N s^2/m^2", over="m/s")]
     wind: Velocity = (0.0, 0.0, 0.0)
@@ -274,6 +277,8 @@ class BoxDrag(Force):
         Small speeds [m/s], [rad/s], below which drag is linear, so that it has derivatives at rest. By default the
         second one has the number of the first.
     """
+
+    parity = declared(frame="polar", box="even", wind="polar")
 
     frame: Frame
     box: Offset
@@ -435,6 +440,8 @@ class EllipsoidDrag(Force):
         Small speeds [m/s], [rad/s], below which drag is linear, so that it has derivatives at rest. By default the
         second one has the number of the first.
     """
+
+    parity = declared(frame="polar", wind="polar", semiaxes="even", added_mass="even", added_inertia="even")
 
     frame: Frame
     semiaxes: Offset

@@ -51,7 +51,7 @@ class Force(Part):
         register(cls, Force.kinds)
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the primitives for the given initial poses."""
+        """Yield the primitives for the given poses of the design position."""
         yield from ()
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:

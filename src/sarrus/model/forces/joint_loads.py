@@ -12,6 +12,7 @@ from ..errors import ModelError
 from ..geometry.placement import AboutAxis
 from ..geometry.pose import Poses
 from ..measure import In, Length, Mass, Ratio
+from ..parity import AXIAL
 from ..primitive import Primitive
 from ..quantity import not_negative, positive
 from ..signals import Signals
@@ -64,6 +65,8 @@ class DryFriction:
 @dataclass(frozen=True, eq=False)
 class AngleFriction(DryFriction, AboutAxis, Force):
     """Dry friction of a pin of ``radius`` [m] in a revolute joint; its position is given as that of the joint."""
+
+    parity = AXIAL
 
     radius: Length = field(kw_only=True)
 
@@ -136,6 +139,8 @@ class AngleInertia(JointInertia, Force):
     inertia
         [kg m²], not negative.
     """
+
+    parity = AXIAL
 
     inertia: Annotated[float, In("kg m^2")] = field(kw_only=True)
 

@@ -18,6 +18,7 @@ from ..geometry.pose import Poses
 from ..laws.curve import Curve, Formula
 from ..laws.law import Law, scaled, varies
 from ..measure import In
+from ..parity import declared
 from ..primitive import Primitive
 from ..quantity import Vec3, Vector, is_list, vector
 from ..show import show
@@ -123,6 +124,8 @@ class PointForce(WithParameters, Force):
         Constants by name for formulas of outputs.
     """
 
+    parity = declared(force="polar")
+
     point: Point
     force: Annotated[Load, In("N", over="s", outputs=True)]
     axes: Axes = "global"
@@ -177,6 +180,8 @@ class Torque(ByFormula, Force):
         As of a `Force`: ``"(T0 - k*crank_pin.rate)*step(t, 0, 0, 0.1, 1)"``, a function, or a motor's curve as a table,
         with ``over="crank_pin.rate"``.
     """
+
+    parity = declared(torque="axial")
 
     body: Solid | str | None = None
     torque: Annotated[Load | None, In("N m", over="s", outputs=True)] = None

@@ -30,6 +30,7 @@ from ..geometry.placement import placed_frames, refuse_same_body
 from ..geometry.points import Frame, Solid
 from ..geometry.pose import Poses
 from ..measure import In, Place
+from ..parity import POLAR
 from ..primitive import Primitive
 from ..quantity import not_negative
 from ..quantity import positive as checked_positive
@@ -105,7 +106,7 @@ class SphericalSpring(Force):
 
     φ n is the rotation vector of body j in body i, 0 ≤ φ ≤ π, and w its relative angular velocity, in the axes of body
     j. Beyond half a revolution the spring pulls back the shorter way, and its torque jumps. Placed by a
-    global ``point`` [m] in the initial pose, where φ then starts at 0, or by ``frame_i`` and ``frame_j``, with φ = 0
+    global ``point`` [m] in the design position, where φ then starts at 0, or by ``frame_i`` and ``frame_j``, with φ = 0
     where their axes are parallel; where their origins are does not matter.
 
     Parameters
@@ -121,6 +122,8 @@ class SphericalSpring(Force):
     creep
         Speed of regularization [rad/s]: far below it, friction sticks, and the bodies creep.
     """
+
+    parity = POLAR
 
     body_i: Solid | None = None
     body_j: Solid | None = None

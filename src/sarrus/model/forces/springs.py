@@ -17,6 +17,7 @@ from ..geometry.pose import Poses
 from ..laws.curve import Curve, Formula
 from ..laws.law import Law, of_one_variable, refuse_negative, scaled, varies
 from ..measure import Angle, In, Length, Place
+from ..parity import AXIAL, POLAR, declared
 from ..primitive import Primitive
 from ..quantity import ROUND_OFF, Vector, is_list, not_negative, number, numbers, plain, vector
 from ..signals import Measure, Signal, Signals
@@ -130,7 +131,7 @@ class RSDA(AboutAxis, Force):
     """Rotational spring-damper-actuator: torque n = k (θ − angle) + c θ̇ + torque about h_i, Eq. (106).
 
     θ is the rotation of body j relative to body i about h_i, right-handed, with counted
-    revolutions. Placed by a global ``point`` [m] and ``axis`` in the initial pose, where θ then
+    revolutions. Placed by a global ``point`` [m] and ``axis`` in the design position, where θ then
     starts at 0, or by ``frame_i`` and ``frame_j``, where θ is the angle from f_i to f_j. A positive torque decreases θ.
 
     Parameters
@@ -150,6 +151,8 @@ class RSDA(AboutAxis, Force):
     t over time, else in x), a table of pairs, a `Curve`, or a Python function made of arithmetic and of
     `sarrus.functions`. Numbers for k and c are not negative; what drives a motion is a law.
     """
+
+    parity = AXIAL
 
     of_several: ClassVar[str] = "sr.Torque on the joint for a formula of angle, rate and t"
 
@@ -229,7 +232,7 @@ class Bushing(Force):
     Ξ are the three coordinates of frame j's origin in frame i, and the three components there of the rotation vector
     φ n, where frame j is rotated by φ ≤ π about n. Beyond half a revolution it pulls back the shorter way, and its
     torque jumps: use an RSDA there. Placed by a global ``point`` [m], with the global axes, in
-    the initial pose, where Ξ then starts at 0, or by ``frame_i`` and ``frame_j``.
+    the design position, where Ξ then starts at 0, or by ``frame_i`` and ``frame_j``.
 
     Parameters
     ----------
@@ -243,6 +246,8 @@ class Bushing(Force):
     preload
         Force [N] and torque [N m] on body j, in the axes of frame i, where Ξ = 0.
     """
+
+    parity = declared(POLAR, stiffness="matrix", damping="matrix", preload="wrench")
 
     body_i: Solid | None = None
     body_j: Solid | None = None
@@ -279,6 +284,8 @@ class CartesianSpring(Force):
     offset
         The displacement u without force [m].
     """
+
+    parity = declared(stiffness="even", damping="even", offset="polar")
 
     point_i: Point
     point_j: Point

@@ -1,4 +1,4 @@
-"""Tyres as a vertical spring and damper: on a flat road, or with lift-off on a road with a profile."""
+"""Tyres as a vertical spring and damper: on a flat road, or with lift-off on a road with a profile or a surface."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from ..geometry.points import Point
 from ..geometry.pose import Poses
 from ..laws.curve import Curve, Formula
 from ..laws.law import Law, scaled, varies
+from ..laws.surface import Surface
 from ..measure import In, Length
 from ..primitive import Primitive
 from ..quantity import Vec3, not_negative, number, positive
@@ -57,7 +58,7 @@ class RoadTyre(Force):
     radius
         Of the unloaded wheel [m].
     road
-        Height of the road [m]: a number, or a law over the global x [m] of the wheel's centre.
+        Height of the road [m]: a number, a law over the global x [m] of the wheel's centre, or a `Surface`.
     bump
         Height [m] that is added under this tyre: a number, or a law over time [s].
     rounding
@@ -69,14 +70,18 @@ class RoadTyre(Force):
     k: Annotated[float, In("N/m")]
     c: Annotated[float, In("N s/m")]
     radius: Length
-    road: Annotated[Law, In("m", over="m")] = 0.0
+    road: Annotated[Law | Surface, In("m", over="m")] = 0.0
     bump: Annotated[Law, In("m", over="s")] = 0.0
     rounding: Length = 1e-3
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         body, wheel = _wheel(self, poses)
         width = positive(self.rounding, "rounding", "Give a small length in m.")
-        (height, profile), (rise, bump) = _height(self.road, "road", "x"), _height(self.bump, "bump", "t")
+        rise, bump = _height(self.bump, "bump", "t")
+        if isinstance(self.road, Surface):
+            yield Primitive(elements.SurfaceTyre, (body,), (*wheel, rise, width, self.road, bump), "tyre")
+            return
+        height, profile = _height(self.road, "road", "x")
         yield Primitive(elements.RoadTyre, (body,), (*wheel, height + rise, width, profile, bump), "tyre")
 
 

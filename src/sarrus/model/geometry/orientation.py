@@ -1,4 +1,4 @@
-"""The orientation of a body in its initial pose: four ways to give it, converted to Euler parameters."""
+"""The orientation of a body: four ways to give it, converted to Euler parameters."""
 
 from __future__ import annotations
 

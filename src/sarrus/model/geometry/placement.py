@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from ..errors import ModelError
 from ..measure import Direction, Place
+from ..parity import POLAR, Parities
 from ..quantity import SMALLEST_LENGTH, Vector, triple
 from ..show import quote
 from . import rotation
@@ -43,7 +44,7 @@ def points_apart(point_i: Point, point_j: Point, poses: Poses) -> Points:
     refuse_same_body(points.i.body, points.j.body, "point_j")
     apart = points.j.position(poses) - points.i.position(poses)
     if np.linalg.norm(apart) < SMALLEST_LENGTH:
-        message = "has zero length, its two points coincide in the initial pose. Move one of them."
+        message = "has zero length, its two points coincide in the design position. Move one of them."
         raise ModelError(message, field="point_i")
     return points
 
@@ -57,17 +58,19 @@ class Axis(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)  # a joint has its own line
 class AboutAxis:
-    """Placement by a global point and axis in the initial pose, or by a frame on each body.
+    """Placement by a global point and axis in the design position, or by a frame on each body.
 
     Parameters
     ----------
     body_i, body_j
         The two bodies that it connects.
     point, axis
-        A point [m] and the direction of the axis, both in global axes in the initial pose.
+        A point [m] and the direction of the axis, both in global axes in the design position.
     frame_i, frame_j
         Instead of point and axis: a frame on each body, whose third axis h is along the axis.
     """
+
+    parity: ClassVar[Parities] = POLAR
 
     body_i: Solid | None = None
     body_j: Solid | None = None

@@ -14,6 +14,8 @@ from ... import elements
 from ..checks.calls import CallCheck
 from ..checks.names import find
 from ..errors import ModelError
+from ..expression.formula_value import formula_value
+from ..expression.tree import Expression
 from ..primitive import Primitive
 from ..quantity import Array, Vec3, Vector, direction, plain, triple, vector
 from ..show import quote, show
@@ -45,7 +47,7 @@ class Solid(metaclass=CallCheck):
     name: str
 
     def pose(self) -> Pose:
-        """Return the initial pose."""
+        """Return the pose in the design position."""
         return GROUND_POSE
 
     @_with_three_coordinates
@@ -56,7 +58,7 @@ class Solid(metaclass=CallCheck):
 
     @_with_three_coordinates
     def global_point(self, x: float, y: float, z: float) -> Point:
-        """Return the point of this body that is at the global (x, y, z) [m] in the initial pose."""
+        """Return the point of this body that is at the global (x, y, z) [m] in the design position."""
 
         return Point(self, (x, y, z), "global")
 
@@ -110,7 +112,7 @@ class LocalPoint(NamedTuple):
     s: Vec3
 
     def position(self, poses: Poses) -> Array:
-        """Return the global position in the initial pose. (3,) [m]"""
+        """Return the global position in the design position. (3,) [m]"""
         return poses[self.body].global_point(np.array(self.s))
 
 
@@ -126,7 +128,7 @@ class Point:
         Three numbers [m].
     axes
         ``"body"``: from the body's origin in body axes. ``"global"``: where the point is in the
-        initial pose.
+        design position.
     """
 
     body: Solid
@@ -134,8 +136,11 @@ class Point:
     axes: Axes = "body"
 
     def __post_init__(self) -> None:
-        """Refuse other axes."""
+        """Refuse other axes; coordinates of hardpoints become numbers."""
         refuse_other_axes(self.axes)
+        if isinstance(self.coordinates, tuple) and any(map(_is_constant, self.coordinates)):
+            known = tuple(formula_value(x, "m") if _is_constant(x) else x for x in self.coordinates)
+            object.__setattr__(self, "coordinates", known)
 
     def __repr__(self) -> str:
         axes = ', "global"' if self.axes == "global" else ""
@@ -171,6 +176,10 @@ class Point:
         for name in names:
             check_axis(name)
         return tuple(PointCoordinate(self, name) for name in names)
+
+
+def _is_constant(value: object) -> bool:
+    return isinstance(value, Expression) and not value.names()
 
 
 PERPENDICULAR = 1e-6  # [-] how far from 0 the product of two "perpendicular" unit vectors may be
@@ -234,6 +243,7 @@ def _across(f: Array, h: Array, field: str) -> Array:
 
 
 AxisName = Literal["x", "y", "z"]
+AXES: tuple[AxisName, ...] = get_args(AxisName)
 UNIT = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 NEXT = {
     "x": ("y", "z"),
@@ -298,9 +308,7 @@ class Rotation(Function):
     def primitive(self, poses: Poses) -> Primitive:
         """Return the argument of a body axis in the plane of two global ones."""
         check_axis(self.axis)
-        first, second = NEXT[self.axis]
-        values = (UNIT[first], UNIT[second], UNIT[first], 0.0, 0.0)
-        return Primitive(elements.Angle, (GROUND, self.body.name), values, f"rotation_{self.axis}")
+        return rotation_about(self.axis, self.body.name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -325,6 +333,13 @@ class Length(Function):
         return Primitive(elements.Distance, (i.body, j.body), (i.s, j.s, 0.0), "length")
 
 
+def rotation_about(axis: AxisName, body: str) -> Primitive:
+    """The argument of a body axis in the plane of the two global ones normal to an axis."""
+    first, second = NEXT[axis]
+    values = (UNIT[first], UNIT[second], UNIT[first], 0.0, 0.0)
+    return Primitive(elements.Angle, (GROUND, body), values, f"rotation_{axis}")
+
+
 def check_axis(axis: str) -> None:
-    if axis not in get_args(AxisName):
+    if axis not in AXES:
         raise ModelError(f"axis must be x, y or z, but is {axis!r}. Choose one.", field="axis")

@@ -1,4 +1,4 @@
-"""The initial pose of a body: origin, Euler parameters and the rotation matrix."""
+"""The pose of a body: origin, Euler parameters and the rotation matrix."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rotations of the initial pose, in NumPy: Euler parameters, matrices, rates, perpendicular vectors."""
+"""Rotations in NumPy: Euler parameters, matrices, rates, perpendicular vectors."""
 
 from __future__ import annotations
 
@@ -15,9 +15,14 @@ def skew(e: Array) -> Array:
 
 def matrix(p: Array) -> Array:
     """Return A(p), body axes to global axes, Eq. (9). (3, 3) [-]"""
-    e0, e = p[0], p[1:]
-    result: Array = (2 * e0 * e0 - 1) * np.eye(3) + 2 * (np.outer(e, e) + e0 * skew(e))
-    return result
+    e0, x, y, z = np.asarray(p).tolist()  # numbers, plain or traced
+    one = 2 * e0 * e0 - 1
+    rows = [
+        [one + 2 * (x * x), 2 * (x * y - e0 * z), 2 * (x * z + e0 * y)],
+        [2 * (x * y + e0 * z), one + 2 * (y * y), 2 * (y * z - e0 * x)],
+        [2 * (x * z - e0 * y), 2 * (y * z + e0 * x), one + 2 * (z * z)],
+    ]
+    return np.array(rows)
 
 
 def parameters(A: Array) -> Array:

@@ -13,6 +13,7 @@ from ..geometry.placement import AboutAxis, Axis, Frames, placed_frames
 from ..geometry.points import PERPENDICULAR, Frame, LocalFrame, Solid
 from ..geometry.pose import Poses
 from ..measure import Angle, Direction
+from ..parity import AXIAL
 from ..primitive import Primitive
 from ..quantity import number, plain
 from .joint import FramedJoint, Joint
@@ -22,7 +23,7 @@ from .joint import FramedJoint, Joint
 class Cartesian(AboutAxis, FramedJoint):
     """Two bodies that translate freely and do not rotate relative to each other, as on a gantry or a shaker.
 
-    Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and ``frame_j``.
+    Placed by a global ``point`` [m] and ``axis`` in the design position, or by ``frame_i`` and ``frame_j``.
     """
 
     constraints = ("f_i.h_j", "g_i.h_j", "f_i.g_j")
@@ -33,13 +34,15 @@ class Cartesian(AboutAxis, FramedJoint):
 class ConstantAngle(Joint):
     """Constant ``angle`` [rad] between ``axis_i`` and ``axis_j``, by default the initial one.
 
-    Placed by two global axes in the initial pose, or by ``frame_i`` and ``frame_j`` with h along them.
+    Placed by two global axes in the design position, or by ``frame_i`` and ``frame_j`` with h along them.
 
     Parameters
     ----------
     body_i, body_j
         The two bodies that it connects; with frames, these name them.
     """
+
+    parity = AXIAL
 
     body_i: Solid | None = None
     body_j: Solid | None = None
@@ -57,12 +60,12 @@ class ConstantAngle(Joint):
 
 
 def cosine(i: LocalFrame, j: LocalFrame, poses: Poses) -> float:
-    """The cosine between h_i and h_j in the initial pose."""
+    """The cosine between h_i and h_j in the design position."""
     return plain(turned(i.h, i.body, poses) @ turned(j.h, j.body, poses))
 
 
 def cosine_of(angle: float | None, field: str, i: LocalFrame, j: LocalFrame, poses: Poses) -> float:
-    """The cosine of a given angle, or that between h_i and h_j in the initial pose.
+    """The cosine of a given angle, or that between h_i and h_j in the design position.
 
     Raises
     ------
@@ -84,8 +87,10 @@ def constant_angle(i: LocalFrame, j: LocalFrame, value: float) -> Primitive:
 class ParallelAxes(FramedJoint):
     """Parallel axes of ``body_i`` and ``body_j``: relative rotation about the direction h only, translation free.
 
-    Placed by a global ``axis`` in the initial pose, or by ``frame_i`` and ``frame_j`` with h along it.
+    Placed by a global ``axis`` in the design position, or by ``frame_i`` and ``frame_j`` with h along it.
     """
+
+    parity = AXIAL
 
     body_i: Solid | None = None
     body_j: Solid | None = None
@@ -106,9 +111,9 @@ class PointOnLine(AboutAxis, FramedJoint):
     """Point on a line: the line h is fixed in body i, the point in body j, which may move otherwise.
 
     The order matters: ``PointOnLine("roller", sr.ground, bar, ...)`` is a roller of a bar on a fixed rail. With
-    exchanged bodies, a rail on the bar passes through a fixed point; both are the same only in the initial pose.
+    exchanged bodies, a rail on the bar passes through a fixed point; both are the same only in the design position.
 
-    Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` with h along the
+    Placed by a global ``point`` [m] and ``axis`` in the design position, or by ``frame_i`` with h along the
     line and ``frame_j`` at the point.
     """
 
@@ -122,7 +127,7 @@ class PointOnPlane(AboutAxis, FramedJoint):
 
     The order matters, as of a `PointOnLine`.
 
-    Placed by a global ``point`` [m] and the normal ``axis`` in the initial pose, or by ``frame_i`` with h
+    Placed by a global ``point`` [m] and the normal ``axis`` in the design position, or by ``frame_i`` with h
     along the normal and ``frame_j`` at the point.
     """
 

@@ -56,7 +56,7 @@ def ratio_of(value: object, field: str = "ratio") -> float:
 
 
 def coupled(first: Coordinate, second: Coordinate, ratio: float, offset: float | None) -> Primitive:
-    """Second = ratio · first + offset; without an offset, as it is in the initial pose."""
+    """Second = ratio · first + offset; without an offset, as it is in the design position."""
     shift = second.start - ratio * first.start if offset is None else number(offset, "offset")
     kinds = first.measure.element is ANGLE, second.measure.element is ANGLE
     if kinds == (True, True):
@@ -78,7 +78,7 @@ class Coupler(Coupling):
     """Coordinate of ``joint_j`` = ``ratio`` · coordinate of ``joint_i`` + ``offset``, as numbers in m and rad.
 
     Coordinates are given as ``slide.displacement``, ``pin.angle``, or by the joint's name if it has only one.
-    By default, the offset is that of the initial pose.
+    By default, the offset is that of the design position.
 
     Its reaction, `run.reaction`, is the torque or force along the coordinate of ``joint_j`` on the second body of that
     joint; along the coordinate of ``joint_i`` it is multiplied by -``ratio``. No other load is transmitted to bearings.
@@ -107,7 +107,7 @@ class Gear(Coupler):
     """Angle of ``joint_j`` = ``ratio`` · angle of ``joint_i`` + ``offset`` [rad], revolutions included.
 
     The joints are given by name, ``pin``, or if one has several angles ``hook.angle_i``. By default, the offset is
-    that of the initial pose. External spur gears with axes of the same direction have a negative ratio.
+    that of the design position. External spur gears with axes of the same direction have a negative ratio.
     In a planetary gear the angles are those relative to the carrier: connect the sun, each planet and the ring with
     it by a revolute, carrier first, even where the sun or the ring has another joint with the ground.
 
@@ -125,7 +125,7 @@ class RackAndPinion(Coupling):
     """Displacement of ``rack`` = ``radius`` [m] · angle of ``pinion`` + ``offset`` [m], revolutions included.
 
     The joints are given by name, ``pin``, or where one has several angles ``hook.angle_i``. The sign of the radius
-    is that of the displacement. By default, the offset is that of the initial pose.
+    is that of the displacement. By default, the offset is that of the design position.
 
     Its reaction, `run.reaction`, is the force on the second body of ``rack`` along the displacement; the second body of
     ``pinion`` receives the torque -``radius`` times this force. The tooth force is not transmitted to the bearing of

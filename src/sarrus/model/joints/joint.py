@@ -34,7 +34,7 @@ class Joint(Part, ABC):
 
     @abstractmethod
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the primitives for the given initial poses."""
+        """Yield the primitives for the given poses of the design position."""
 
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
         """Yield the angles and displacements of the joint that can be output, driven and coupled."""

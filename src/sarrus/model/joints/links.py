@@ -15,6 +15,7 @@ from ..geometry.placement import Frames, frames_on_bodies, refuse_same_body
 from ..geometry.points import PERPENDICULAR, Frame, LocalFrame, LocalPoint, Point, frame_axes
 from ..geometry.pose import Poses
 from ..measure import Angle, Direction, Length
+from ..parity import AXIAL
 from ..primitive import Primitive
 from ..quantity import SMALLEST_LENGTH, Vector, number, plain, positive, triple
 from .conditions import constant_angle, cosine
@@ -23,7 +24,7 @@ from .joint import Joint, basic_constraints
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """Ends by a point on each body and global axes in the initial pose, or by a frame on each body."""
+    """Ends by a point on each body and global axes in the design position, or by a frame on each body."""
 
     point_i: Point | None = None
     point_j: Point | None = None
@@ -47,7 +48,7 @@ class Link:
         return frames
 
     def distance(self, i: LocalFrame, j: LocalFrame, poses: Poses) -> Primitive:
-        """The distance of the ends: the given length, or the one in the initial pose."""
+        """The distance of the ends: the given length, or the one in the design position."""
         apart = poses[j.body].global_point(np.array(j.s)) - poses[i.body].global_point(np.array(i.s))
         initial = plain(np.linalg.norm(apart))
         if self.length is None and initial < SMALLEST_LENGTH:
@@ -90,10 +91,12 @@ class Distance(Joint):
 class RevoluteRevolute(Link, Joint):
     """A link along the common normal of axes of body i and body j, with the angle ``twist`` [rad] between them.
 
-    Placed by ``point_i`` and ``point_j`` and global axes in the initial pose, or by ``frame_i`` and
+    Placed by ``point_i`` and ``point_j`` and global axes in the design position, or by ``frame_i`` and
     ``frame_j`` with h along the axes. Left out, ``axis_j`` is parallel to ``axis_i``, the ``length`` [m] and
-    the ``twist`` are those of the initial pose.
+    the ``twist`` are those of the design position.
     """
+
+    parity = AXIAL
 
     axis_i: Direction | None = None
     axis_j: Direction | None = None
@@ -125,9 +128,11 @@ class RevoluteRevolute(Link, Joint):
 class RevoluteSpherical(Link, Joint):
     """A link that rotates about an axis of body i, normal to it, and carries a point of body j at its end.
 
-    Placed by ``point_i`` and ``point_j`` and the global ``axis`` in the initial pose, or by ``frame_i`` with h
+    Placed by ``point_i`` and ``point_j`` and the global ``axis`` in the design position, or by ``frame_i`` with h
     along the axis and ``frame_j``. The ``length`` [m], left out, is the initial distance.
     """
+
+    parity = AXIAL
 
     axis: Direction | None = None
 

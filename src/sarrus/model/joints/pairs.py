@@ -23,6 +23,7 @@ from ..geometry.placement import (
 from ..geometry.points import PERPENDICULAR, Frame, LocalFrame, Point, Solid, frame_axes
 from ..geometry.pose import Poses
 from ..measure import Direction, Length, Place
+from ..parity import AXIAL, POLAR, declared
 from ..primitive import Primitive
 from ..quantity import Array, direction, number, plain, triple
 from .joint import FramedJoint, Joint, basic_constraints
@@ -32,8 +33,10 @@ from .joint import FramedJoint, Joint, basic_constraints
 class Fixed(FramedJoint):
     """Fixed joint of ``body_i`` and ``body_j``.
 
-    Given by a global ``point`` [m] in the initial pose, or by ``frame_i`` and ``frame_j``, which it makes coincide.
+    Given by a global ``point`` [m] in the design position, or by ``frame_i`` and ``frame_j``, which it makes coincide.
     """
+
+    parity = POLAR
 
     body_i: Solid | None = None
     body_j: Solid | None = None
@@ -52,9 +55,11 @@ class Fixed(FramedJoint):
 class Revolute(AboutAxis, FramedJoint):
     """Revolute joint (hinge): a common point and a common axis h.
 
-    Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
+    Placed by a global ``point`` [m] and ``axis`` in the design position, or by ``frame_i`` and
     ``frame_j`` with h along the axis.
     """
+
+    parity = AXIAL
 
     constraints = ("point", "f_i.h_j", "g_i.h_j")
     free = ("angle",)
@@ -64,7 +69,7 @@ class Revolute(AboutAxis, FramedJoint):
 class Translational(AboutAxis, FramedJoint):
     """Translational (prismatic) joint: displacement along a common axis h, without rotation.
 
-    Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
+    Placed by a global ``point`` [m] and ``axis`` in the design position, or by ``frame_i`` and
     ``frame_j`` with h along the axis.
 
     Notes
@@ -81,7 +86,7 @@ class Translational(AboutAxis, FramedJoint):
 class Cylindrical(AboutAxis, FramedJoint):
     """Cylindrical joint: rotation about, and displacement along, a common axis h.
 
-    Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
+    Placed by a global ``point`` [m] and ``axis`` in the design position, or by ``frame_i`` and
     ``frame_j`` with h along the axis.
     """
 
@@ -93,9 +98,11 @@ class Cylindrical(AboutAxis, FramedJoint):
 class Screw(Cylindrical):
     """Screw joint: common axis h, and ``pitch`` [m], the displacement per revolution, positive if right-handed.
 
-    Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
+    Placed by a global ``point`` [m] and ``axis`` in the design position, or by ``frame_i`` and
     ``frame_j`` with h along the axis; the frames coincide where angle and displacement are 0.
     """
+
+    parity = declared(POLAR, pitch="odd")
 
     pitch: Length = field(kw_only=True)
 
@@ -114,9 +121,11 @@ class Screw(Cylindrical):
 class Planar(AboutAxis, FramedJoint):
     """Planar joint: the bodies have a common plane with the normal h.
 
-    Placed by a global ``point`` [m] of the plane and its normal ``axis`` in the initial pose, or by
+    Placed by a global ``point`` [m] of the plane and its normal ``axis`` in the design position, or by
     ``frame_i`` and ``frame_j`` with h along the normal.
     """
+
+    parity = AXIAL
 
     constraints = ("f_i.h_j", "g_i.h_j", "h_i.d")
     free = ("angle", "displacement_x", "displacement_y")
@@ -126,7 +135,7 @@ class Planar(AboutAxis, FramedJoint):
 class Spherical(Joint):
     """Spherical (ball) joint of ``body_i`` and ``body_j``.
 
-    Given by a global ``point`` [m] in the initial pose, or by ``point_i`` and ``point_j``, a point on each body.
+    Given by a global ``point`` [m] in the design position, or by ``point_i`` and ``point_j``, a point on each body.
     """
 
     body_i: Solid | None = None
@@ -166,9 +175,11 @@ class Spherical(Joint):
 class Universal(FramedJoint):
     """Universal (Cardan) joint; its cross rotates in ``body_i`` about ``axis_i`` and in ``body_j`` about ``axis_j``.
 
-    Placed by a global ``point`` [m] and two perpendicular global axes in the initial pose, or by
+    Placed by a global ``point`` [m] and two perpendicular global axes in the design position, or by
     ``frame_i`` and ``frame_j`` with h along the cross axes.
     """
+
+    parity = AXIAL
 
     body_i: Solid | None = None
     body_j: Solid | None = None
@@ -190,7 +201,7 @@ class Universal(FramedJoint):
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
         """Yield the angles of the cross in body i about h_i, from f_i to h_j, and in body j about h_j.
 
-        Placed by global axes both start at 0; then f_i is h_j in the initial pose, and the other way round.
+        Placed by global axes both start at 0; then f_i is h_j in the design position, and the other way round.
         """
         i, j = self.frames(poses)
         if self.frame_i is None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from ..geometry.placement import Frames, refuse_same_body
 from ..geometry.points import PERPENDICULAR, Frame, LocalFrame, Point, Solid, frame_axes, ground
 from ..geometry.pose import Poses
 from ..measure import Direction, Length
+from ..parity import POLAR, Parities, declared
 from ..primitive import Primitive
 from ..quantity import Vec3 as Numbers
 from ..quantity import direction, positive, triple
@@ -118,6 +120,8 @@ class RollingOnPlane:
         [m]
     """
 
+    parity: ClassVar[Parities] = declared(plane="polar", axis="axial")
+
     center: Point
     plane: Frame
     radius: Length
@@ -162,7 +166,7 @@ def rolls(plane: LocalFrame, body: str, s: Numbers, radius: float) -> Primitive:
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class RollingOnAxis(RollingOnPlane):
-    """The same for a circle about an ``axis`` of body j, a global direction in the initial pose."""
+    """The same for a circle about an ``axis`` of body j, a global direction in the design position."""
 
     axis: Direction
 
@@ -219,12 +223,15 @@ class KnifeEdge(Joint):
     point
         On body j.
     axis
-        The direction across the edge, in which the point has no velocity, fixed in body j: global, in the initial pose.
+        The direction across the edge, in which the point has no velocity, fixed in body j: global,
+        in the design position.
     body_i
         Relative to which the point moves, by default the ground.
 
     One equation for velocities, none for positions.
     """
+
+    parity = POLAR
 
     point: Point
     axis: Direction

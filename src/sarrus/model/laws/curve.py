@@ -42,12 +42,15 @@ class Curve:
     periodic
         Whether the curve repeats with the period x_n − x_0. If not, the first and the last cubic also hold before x_0
         and after x_n. `Curve.table` makes them straight, so that a table is continued by its tangents at both ends.
+    passed
+        Whether steps pass the knots: what the curve is a term of is smooth there.
     """
 
     knots: tuple[float, ...]
     cubics: tuple[Cubic, ...]
     pairs: tuple[tuple[float, float], ...] = ()
     periodic: bool = False
+    passed: bool = False
 
     def __post_init__(self) -> None:
         given: tuple[Any, Any] = self.knots, self.cubics
@@ -301,12 +304,17 @@ def _closed(ys: Sequence[Any], field: str) -> Any:
     return ys[0]
 
 
+def spline_ends(points: int) -> str:
+    """The end conditions of a spline through a number of points, as `CubicSpline` names them."""
+    return "natural" if points < NATURAL_BELOW else "not-a-knot"
+
+
 def _spline(
     xs: list[float], ys: list[float], field: str, periodic: bool = False
 ) -> tuple[tuple[float, ...], tuple[Cubic, ...]]:
     from scipy.interpolate import CubicSpline  # 1 s to import: only models with tables pay
 
-    ends = "periodic" if periodic else "natural" if len(xs) < NATURAL_BELOW else "not-a-knot"
+    ends = "periodic" if periodic else spline_ends(len(xs))
     if any(isinstance(y, Tracer) for y in ys):  # the coefficients are linear in y
         unit = np.eye(len(ys))
         unit[-1] = unit[0] if periodic else unit[-1]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -28,12 +28,15 @@ class Formulas:
         only the names before it.
     points
         The named global points. [m]
+    hardpoints
+        The points whose coordinates are parameters, and the unit in which these are given.
     """
 
     parameters: Mapping[str, float] = field(default_factory=dict)
     expressions: Mapping[Path, Expression] = field(default_factory=dict)
     definitions: Mapping[str, Expression] = field(default_factory=dict)
     points: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    hardpoints: Mapping[str, str] = field(default_factory=dict)
 
     def free(self) -> tuple[str, ...]:
         """Return the parameters that do not follow from others."""
@@ -47,6 +50,14 @@ class Formulas:
             if values[name] is None:
                 values[name] = tree.value(values)
         return values
+
+    def following(self, given: Collection[str]) -> set[str]:
+        """Return the names that are given, and those that follow from them."""
+        found = {*given}
+        for name, tree in self.definitions.items():  # each needs only the names before it
+            if found.intersection(tree.names()):
+                found.add(name)
+        return found
 
     def with_values(self, given: Mapping[str, float]) -> Formulas:
         """Return the same formulas with numbers in the place of some parameters."""

@@ -9,9 +9,10 @@ from typing import Any, NamedTuple, TypeAlias
 
 from ..errors import ModelError
 from ..expression import Expression, parse, parse_expression
-from ..expression.tree import Number
-from ..quantity import is_list, number
+from ..expression.tree import Name, Number
+from ..quantity import is_list, number, plain
 from ..show import quote, show
+from ..tape import Tracer
 from .curve import Curve, Formula, Tree, curve_of
 from .jumps import TIME
 from .recorded import arguments, has_all_outputs
@@ -69,12 +70,26 @@ def scaled(value: Any, field: str, variable: str = "x", remedy: str = ONE_NUMBER
 
 
 def _in_one_variable(tree: Expression, field: str, variable: str) -> float | Formula:
-    """Return the function of a formula; its value where it has no names."""
+    """Return the function of a formula; its value where it has no names, which may be a traced number."""
     others = [name for name in tree.names() if name != variable]
     if others:
         message = f"{field} depends on {quote(others[0])}. Use only {variable} in it."
         raise ModelError(f"{message} {OF_OUTPUTS}" if variable == TIME else message, field=field)
-    return Formula(Tree(tree, variable)) if tree.names() else float(tree.value())
+    return Formula(Tree(tree, variable)) if tree.names() else plain(_constant(tree))
+
+
+def _constant(tree: Expression) -> Any:
+    """The value of a formula without names: a traced number if one of its numbers is."""
+    traced: dict[str, Any] = {}
+
+    def mark(n: int, one: Number) -> Any:
+        value: Any = one.number
+        if not isinstance(value, Tracer):
+            return one
+        traced[f"#{n + 1}"] = value
+        return Name(f"#{n + 1}")
+
+    return tree.exchanged(mark).value(traced)
 
 
 def motion_of(value: Law, field: str, states: bool = True) -> ScaledCurve:

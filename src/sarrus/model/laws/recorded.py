@@ -166,9 +166,14 @@ class Recording:
         if not over:
             message = f"{self.field} is a table, whose first column is not known. Name an output in over"
             raise ModelError(f"{message}, such as over='pin.rate', or t for the time.", field="over")
-        x = Recording.law(self, over)
-        self.curves.append(curve)
-        return self.graph.input("curve", len(self.curves) - 1).call("curve", x)
+        return self.looked_up(curve, Recording.law(self, over))
+
+    def looked_up(self, curve: Curve | Formula, x: Recorded, function: str = "curve") -> Recorded:
+        """The value of a curve at x; its slope or bend with ``curve_slope`` or ``curve_bend``."""
+        place = next((n for n, one in enumerate(self.curves) if one is curve), len(self.curves))
+        if place == len(self.curves):
+            self.curves.append(curve)
+        return self.graph.input("curve", place).call(function, x)
 
     def _function(self, function: Callable[..., Any], over: str | None) -> Recorded:
         try:

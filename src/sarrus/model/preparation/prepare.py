@@ -11,6 +11,7 @@ from ..checks.findings import Findings
 from ..errors import ModelError
 from ..text_numbers import numbers_of, with_numbers_of_texts
 from .moving_points import Carriers
+from .named_parameters import refuse_two_values, with_named_parameters
 
 SECTIONS = ("bodies", "joints", "drivers", "forces")
 GRAVITY = ("gravity", "m/s^2")
@@ -37,6 +38,8 @@ def prepare(model: Any) -> None:
         own = {place: tree.renamed(values) for place, tree in carriers.constants.items()}
         formulas = replace(model.formulas, expressions={**model.formulas.expressions, **own})
         object.__setattr__(model, "formulas", formulas)
+    if (formulas := with_named_parameters(model.formulas, found, model.gravity)) is not model.formulas:
+        object.__setattr__(model, "formulas", formulas)
     for section, parts in found.items():
         before = given[section]
         if len(parts) != len(before) or any(a is not b for a, b in zip(parts, before, strict=True)):
@@ -48,6 +51,7 @@ def refuse_unprepared(model: Any, findings: Findings) -> None:
     _, replaced = _replacing(model)
     with findings.about():
         numbers_of(model.gravity, GRAVITY[1], GRAVITY[0])
+        refuse_two_values(model)
     for section in SECTIONS:
         for part in getattr(model, section):
             with findings.about(section, part.name):

@@ -295,7 +295,8 @@ class MuscleActivation(WithInput, WithNominal, Force):
     """The activation a of a `Muscle`, which follows its excitation, the input u: ȧ = (u - a)/τ. Its output is its name.
 
     τ is activation_time · (0.5 + 1.5 a) where u > a, and deactivation_time/(0.5 + 1.5 a) where u < a, as in MuJoCo. An
-    input below 0 acts like 0, one above 1 like 1. Without smoothing, derivatives at u = a are those of u < a.
+    input below 0 acts like 0, one above 1 like 1. Without smoothing, derivatives of an equilibrium, where u = a, are
+    those of u < a; those of a run that stays there to rounding lie between those of both sides.
 
     Parameters
     ----------

@@ -52,6 +52,10 @@ class RateLoad(FormulaLoad, abstract=True):
         words = {RATE, *(word for word, _ in getattr(cls.structure.act, "outputs", ()))}
         cls.outputs = {word: one for word, one in cls.outputs.items() if word in words}
 
+    def power(self, x: Any, v: Any, t: Scalar) -> Scalar:
+        """Zero: states are no motion."""
+        return 0
+
 
 @dataclass(frozen=True)
 class Slots:
@@ -175,12 +179,16 @@ def _constraint(
 
 
 class StateValue(NamedTuple):
-    """A state of a part: its name as an output, its initial value, its unit, and its size for tolerances."""
+    """A state of a part: its name as an output, its initial value, its unit, and its size for tolerances.
+
+    States with the same name of a ``block`` are all that is in it, in their order; its mass is 1 kg.
+    """
 
     name: str
     initial: Numeric
     unit: str = ""
     nominal: float = 1.0
+    block: str = ""
 
 
 class StateInertia(InertiaElement, derivatives="automatic", rare=True, registered=False):
@@ -288,10 +296,11 @@ def blocks_of(
     mass = float(2.0 ** np.round(np.log2(largest))) if largest > 0 else 1.0
     blocks: list[Block] = []
     for kind, size in ((False, SLOTS), (True, CLOCK)):
-        own = [one for one in every if (one.name in followed) == kind]
+        own = [one for one in every if (one.name in followed) == kind and not one.block]
         for n in range(0, len(own), size):
             blocks.append(Block(f"states {len(blocks) + 1}", tuple(own[n : n + size]), mass, kind))
-    return tuple(blocks)
+    named = dict.fromkeys(one.block for one in every if one.block)
+    return *blocks, *(Block(name, tuple(one for one in every if one.block == name), 1.0) for name in named)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

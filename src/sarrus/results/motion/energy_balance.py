@@ -23,7 +23,7 @@ class EnergyBalance(Result):
     ----------
     t : (nt,) [s]
     kinetic, potential : (nt,) potential of gravity, springs and bushings
-    elastic : (nt,) stored by contacts, stops and tyres
+    elastic : (nt,) stored by contacts, stops and tyres, with spins that are states
     dissipated, supplied : by part (nt,), since the start
     impacts : (nt,) kinetic energy lost in impacts and resets of velocities since the start
     """

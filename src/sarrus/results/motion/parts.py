@@ -13,6 +13,7 @@ from ...deferred import renderer
 from ...euler import E, G
 from ...model.coordinates import coordinates_of
 from ...outputs.motion import reaction_outputs, shared_by, words_of
+from ..result import values_of
 
 ORIGIN, TURN = slice(3), slice(3, None)  # of a body's coordinates
 
@@ -29,7 +30,7 @@ class BodyMotion:
 
     def _of(self, array: Array, places: slice) -> Array:
         found: Array = array[:, coordinates_of(self.name, self.run.bodies, self.run.name)][:, places]
-        return found
+        return values_of(self.run, found)
 
     @property
     def position(self) -> Array:
@@ -49,12 +50,12 @@ class BodyMotion:
     @property
     def angular_velocity_global(self) -> Array:
         """In global axes, 2 E(p) ṗ, as the output ``angular_velocity`` (nt, 3) [rad/s]."""
-        return _spin(E, self.euler, self._of(self.run.v, TURN))
+        return self._spin(E, self.euler, self._of(self.run.v, TURN))
 
     @property
     def angular_velocity_body(self) -> Array:
         """In body axes, 2 G(p) ṗ (nt, 3) [rad/s]."""
-        return _spin(G, self.euler, self._of(self.run.v, TURN))
+        return self._spin(G, self.euler, self._of(self.run.v, TURN))
 
     @property
     def acceleration(self) -> Array:
@@ -64,12 +65,17 @@ class BodyMotion:
     @property
     def angular_acceleration_global(self) -> Array:
         """In global axes, 2 E(p) p̈, as Ė ṗ = 0 (nt, 3) [rad/s²]."""
-        return _spin(E, self.euler, self._of(self.run.a, TURN))
+        return self._spin(E, self.euler, self._of(self.run.a, TURN))
 
     @property
     def angular_acceleration_body(self) -> Array:
         """In body axes, 2 G(p) p̈ (nt, 3) [rad/s²]."""
-        return _spin(G, self.euler, self._of(self.run.a, TURN))
+        return self._spin(G, self.euler, self._of(self.run.a, TURN))
+
+    def _spin(self, matrix: Callable[[Array], Array], p: Array, pd: Array) -> Array:
+        """2 E(p) ṗ, in global axes, or 2 G(p) ṗ, in body axes (nt, 3); the same of p̈."""
+        linear = np.array([matrix(unit) for unit in np.eye(4)])  # matrix(p) is linear in p
+        return values_of(self.run, np.asarray(np.einsum("tn,nij,tj->ti", 2 * p, linear, pd)))
 
     def __getitem__(self, word: str) -> Any:
         """An output of the body, ``run["rod"]["x"]``."""
@@ -90,12 +96,6 @@ class BodyMotion:
 
     def _words(self) -> str:
         return ", ".join(name for name, value in vars(BodyMotion).items() if isinstance(value, property))
-
-
-def _spin(matrix: Callable[[Array], Array], p: Array, pd: Array) -> Array:
-    """2 E(p) ṗ, in global axes, or 2 G(p) ṗ, in body axes (nt, 3); the same of p̈."""
-    linear = np.array([matrix(unit) for unit in np.eye(4)])  # matrix(p) is linear in p
-    return np.asarray(np.einsum("tn,nij,tj->ti", 2 * p, linear, pd))
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""A motion at any time: what `simulate(..., dense_output=True)` gives as `Trajectory.sol`."""
+"""A motion at any time: what `simulate(..., store="dense")` gives as `Trajectory.sol`."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...model import ModelError
+from ...model.checks.arguments import as_numbers
 
 NONE = np.zeros(0)
 
@@ -30,7 +31,10 @@ class NoSolution:
         ------
         ModelError
         """
-        raise ModelError("t: the motion between stored times is not known. Simulate with dense_output=True.")
+        raise ModelError(
+            "t: the motion between stored times is not known, and never of a saved run. Simulate with "
+            "store='dense', and give the times that are needed later as t_eval."
+        )
 
 
 class State(NamedTuple):
@@ -93,10 +97,12 @@ class Solution:
 
         Raises
         ------
+        TypeError
+            For times that are no numbers.
         ValueError
             For a time before the start or after the end.
         """
-        times = np.asarray(t, dtype=float)
+        times = as_numbers(t, lambda: f"t must be one or several times in s, got {t!r:.40}. Give numbers.")
         flat = times.reshape(-1)
         if np.any((flat < self.t_min) | (flat > self.t_max)) or np.any(np.isnan(flat)):
             raise ValueError(

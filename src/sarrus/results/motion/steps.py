@@ -91,9 +91,9 @@ class EventStep:
     name: str
     t: float
     function: object
-    along: str | None
-    restitution: float | None
-    reset: object
+    along: str | None = None
+    restitution: float | None = None
+    reset: object = None
     q: Array = field(repr=False)
     v: Array = field(repr=False)
     after: Array = field(repr=False)
@@ -212,23 +212,21 @@ def segments_to_store(
     event_steps: Sequence[EventStep],
     known: Kinds,
     functions: Mapping[str, Any],
-) -> dict[str, Array]:
+) -> Array:
     """Segments before the present one and the events that end them, without the method and the start of the run.
 
     `functions` : those of the user's events, which are stored by these names
     """
-    if not event_steps:
-        return {}
     none: dict[str, Any] = {"scheme": None, "start": None}
     own = [replace(segment, **none) for segment in segments], event_steps
-    return {"pieces": np.frombuffer(dumps(own, known, functions), dtype=np.uint8)}
+    return np.frombuffer(dumps(own, known, functions) if event_steps else b"", dtype=np.uint8)
 
 
 def segments_from_store(
-    state: Mapping[str, Array], steps: StepsTaken | None, known: Kinds, functions: Mapping[str, Any]
+    stored: Array, steps: StepsTaken | None, known: Kinds, functions: Mapping[str, Any]
 ) -> tuple[list[StepsTaken], list[EventStep]]:
     """The same, with the method and the start of the segment that follows."""
-    if steps is None or "pieces" not in state:
+    if steps is None or not len(stored):
         return [], []
-    segments, event_steps = loads("checkpoint", state["pieces"].tobytes(), known, functions.__getitem__)
+    segments, event_steps = loads("checkpoint", stored.tobytes(), known, functions.__getitem__)
     return [replace(segment, scheme=steps.scheme, start=steps.start) for segment in segments], [*event_steps]

@@ -13,6 +13,7 @@ import numpy as np
 from ...algebra import Array
 from ...deferred import estimator, renderer, saver
 from ...model.checks.arguments import CHECKS, checked
+from ...model.read_only import read_only
 from ...outputs import outputs_of
 from ...outputs.motion import Series, series
 from ...outputs.output import UnknownOutput, components, short, unknown_output
@@ -78,6 +79,7 @@ class Trajectory(Result):
     steps_folder : of a run that was loaded without the steps stored in it, the folder
     memory : (nt, k) state variables of elements at the times, see `State`
     revolutions : (nt, nc) of the joints' angles at the times, counted from step to step, see `State`
+    warnings : those of states that are not computed yet follow when they are; `strict` computes all at once
     final : the state at the end of the run; later than the last of the times only if `t_eval` ends before `until`
     analysis : "simulation", "kinematics" or "inverse dynamics"
     states : of a run that was loaded without its system, its first-order states: place, unit, and v or q
@@ -114,7 +116,7 @@ class Trajectory(Result):
     steps_folder: str = field(default="", repr=False, compare=False)
     memory: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
     revolutions: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
-    final: State | None = field(default=None, repr=False, compare=False)
+    final: State | None = field(default=None, repr=False)
     analysis: str = field(default="simulation", repr=False)
     states: Mapping[str, tuple[int, str, str]] = field(default_factory=dict, repr=False, compare=False)
     _later: Later | None = field(default=None, repr=False, compare=False)
@@ -131,8 +133,11 @@ class Trajectory(Result):
     def __getattr__(self, name: str) -> Any:  # of fields that are not computed yet
         known = self.__dict__
         if name in COMPUTED and (later := known.get("_later")):
-            with later.lock:  # arrays that were looked at before may have been changed since: they stay
-                fields = later.fields(name)
+            with later.lock:
+                try:
+                    fields = later.fields(name)
+                except AttributeError as wrong:  # which Python would report as a missing field
+                    raise RuntimeError(f"{self.name}: {name} could not be computed: {wrong}") from wrong
                 known.update({field: x for field, x in fields.items() if field not in known})
                 if "message" in fields:  # all are computed
                     known["warnings"] = tuple(dict.fromkeys((*known["warnings"], *fields["warnings"])))
@@ -210,7 +215,7 @@ class Trajectory(Result):
 
     @checked
     def state(self, t: float) -> State:
-        """Return the state at a time of `t` or at the end, as a start of analyses; any time with `dense_output`.
+        """Return the state at a time of `t` or at the end, as a start of analyses; any time with ``store="dense"``.
 
         Raises
         ------
@@ -220,12 +225,13 @@ class Trajectory(Result):
         if self.final is not None and t == self.final.t:
             return self.final
         if self.sol:
-            return self.sol(float(t))
+            state: State = read_only(self.sol(float(t)))
+            return state
         rows = np.flatnonzero(self.t == t)
         if not len(rows):
             raise ValueError(
                 f"{self.name}: no state was stored at t = {t!r} s. Choose one of `t`, or "
-                "simulate with dense_output=True."
+                "simulate with store='dense'."
             )
         names = ("q", "v", "a", "lam", "memory", "revolutions")
         n, arrays = int(rows[0]), (getattr(self, name) for name in names)
@@ -240,7 +246,7 @@ class Trajectory(Result):
     @property
     def total_energy(self) -> Array:
         """Kinetic and potential energy (nt,), without the energy in contacts, stops and tyres. [J]"""
-        return self.kinetic_energy + self.potential_energy
+        return values_of(self, self.kinetic_energy + self.potential_energy)
 
     @checked
     def coordinate(self, name: str) -> Array:

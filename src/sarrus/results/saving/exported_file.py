@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 from ...model.checks.arguments import CHECKS
+from ...model.checks.calls import wrong_call
 from ...model.file.replaced_file import replacing
 from .checked_file import NotSavedError
 
@@ -64,9 +65,13 @@ def _system_error(wrong: BaseException | None) -> OSError | None:
 def exports(write: Callable[P, R]) -> Callable[P, R]:
     """Decorate a method that writes a file, its first argument ``path``; see `exporting`."""
 
+    own = signature(write)
+
     @wraps(write)
     def exported(*args: P.args, **kwargs: P.kwargs) -> R:
-        given = signature(write).bind(*args, **kwargs)
+        if message := wrong_call(write.__name__, own, args, kwargs):
+            raise TypeError(message)
+        given = own.bind(*args, **kwargs)
         with exporting(given.arguments["path"]) as given.arguments["path"]:
             return write(*given.args, **given.kwargs)
 

@@ -39,7 +39,7 @@ from .folder_lock import LOCK, FolderLock, held, is_lock, lock_folder
 from .stored_array import METADATA, ArrayWriter, StoredArray
 from .versions import versions
 
-FORMAT = 8
+FORMAT = 9
 BYTES = 1_000_000  # of a chunk of the widest array, about
 STEPS, MANY = 4096, 2**40  # rows of a chunk of the history; the rows that it may have
 COLUMNS = {
@@ -58,6 +58,7 @@ CHECKPOINT, RECIPE = "checkpoint.npz", "recipe.data"
 # of a run before its metadata
 INITIAL_FILES = frozenset((LOCK, RECIPE, RECIPE + DRAFT, METADATA + DRAFT, *OVER_TIME, HISTORY))
 UNFINISHED = ("cut short", "stopped", "time limit")
+STORED_STEPS = "method.store.t"  # in checkpoints of runs that store their steps
 
 
 class Store:
@@ -123,7 +124,7 @@ class Store:
     ) -> Store:
         """Write the recipe, then all that is known before the first state."""
         widths = dict.fromkeys("qva", system.nq) | {"lam": system.m, "violation": 2, "energy": 2}
-        widths |= {"memory": len(system.memory_places), "revolutions": system.joint_coordinates.m}
+        widths |= {"memory": len(system.memory_places), "revolutions": system.counted_coordinates.m}
         write_checked(folder / RECIPE, recipe)
         chunk = int(max(1, min(len(times), BYTES // (8 * max(system.nq, 1)))))
         attributes = {"format": FORMAT, "run": uuid4().hex, **versions(), **about, "chunk": chunk}
@@ -265,9 +266,9 @@ def _refuse_run(folder: Path) -> None:
         status = json.loads(str(checkpoint(folder)["told"]))["status"]
         held = "a run that was cut short" if status in UNFINISHED else "a finished run"
         verb = "Continue it with sarrus.resume" if status in UNFINISHED else "Open it with sarrus.load_run"
-        remedy = f"{verb}({str(folder)!r}), or pass overwrite=True to replace it."
+        remedy = f"{verb}({str(folder)!r}), or pass overwrite=True to sr.Save or run.save to replace it."
     except SavedDataError:
-        held, remedy = "a damaged run", "Pass overwrite=True to replace it."
+        held, remedy = "a damaged run", "Pass overwrite=True to sr.Save or run.save to replace it."
     raise FolderTakenError(f"{folder}: holds {held}. {remedy}")
 
 

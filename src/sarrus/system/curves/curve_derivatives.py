@@ -21,10 +21,12 @@ from ..._jit.formulas.differentiate import jacobian
 from ..._jit.formulas.expression import Expression, Graph
 from ..._jit.formulas.program import program
 from ..._jit.formulas.replay import ARRAYS, needed, replay
+from ..._jit.formulas.surfaces import ORDERS as OF_SURFACES
 from ...algebra import Array
+from ...elements.evaluation import STORED
 from ...elements.operators import OPERATORS, Axis
 from ...elements.recorder import Variant, record, structure
-from ...model import Curve, Formula
+from ...model import Curve, Formula, Surface
 from ...model.coordinates import WIDTH
 from ...model.laws.curve import Tree
 from ...model.laws.jumps import JUMPING
@@ -43,10 +45,12 @@ MANY: dict[str, Callable[..., Any]] = ARRAYS | {
     "nearest": lambda x: np.floor(x + 0.5),
     "positive": lambda x: np.where(x > 0, 1.0, 0.0),
     **{name: lambda curve, x, order=n: _value(curve, np.atleast_1d(x), order) for name, n in ORDERS.items()},
-}  # of arrays over time
-SIDE_BY_SIDE: dict[str, Callable[..., Any]] = MANY | {
-    name: lambda curves, x, order=n: _values(curves, x, order) for name, n in ORDERS.items()
-}  # of arrays over elements and time
+}  # of arrays over time; of surfaces, `ARRAYS` has them
+SIDE_BY_SIDE: dict[str, Callable[..., Any]] = (
+    MANY
+    | {name: lambda curves, x, order=n: _values(curves, x, order) for name, n in ORDERS.items()}
+    | {name: lambda surfaces, x, y, n=n: _heights(surfaces, x, y, n) for name, n in OF_SURFACES.items()}
+)  # of arrays over elements and time
 KNOWN = 256  # functions of one variable whose derivatives are cached
 
 
@@ -294,7 +298,7 @@ def values_of_elements(
 def inputs_of(
     p: Population, b: Array, memory: Mapping[int, Any], operands: Mapping[str, Any]
 ) -> dict[tuple[Any, ...], Any]:
-    """The inputs of all elements (elements, nt), or (elements, 1); a list of their curves."""
+    """The inputs of all elements (elements, nt), or (elements, 1); lists of their curves and surfaces."""
     size, times = p.kind.size(), operands["t"].shape
     own = b[p.at : p.end].reshape(p.count, size)
     inputs: dict[tuple[Any, ...], Any] = {("numbers", n): own[:, n, None] for n in range(size)}
@@ -303,7 +307,8 @@ def inputs_of(
         whole = np.broadcast_to(inputs["numbers", n], (p.count, *times)).copy()
         whole[k] = memory[place]
         inputs["numbers", n] = whole
-    inputs |= {("numbers", n): [values[m] for values in p.values] for m, n in curves_of(p.kind)}
+    for field in STORED:
+        inputs |= {("numbers", n): [values[m] for values in p.values] for m, n in tables_of(p.kind, field)}
     for name, array in operands.items():
         if name in TIMES:
             inputs[name,] = array
@@ -417,12 +422,6 @@ def steps_in(graph: Graph, wanted: list[Expression]) -> list[Expression]:
     return [x if op == "positive" else (np.pi * x).call("cos") for op, x in calls if op in JUMPING]
 
 
-def formula_values(law: Formula, wanted: list[Expression], x: Array) -> Array:
-    """The intermediate values of a formula (wanted, nt)."""
-    values = replay(formula_graph(law)[0], wanted, {("x",): x}, MANY)
-    return np.array([np.broadcast_to(value, x.shape) for value in values], dtype=float).reshape(-1, *x.shape)
-
-
 def _known(function: Callable[[Any], Any]) -> Tree | _User:
     return function if isinstance(function, Tree) else _User(function)
 
@@ -446,6 +445,12 @@ def _values(curves: Sequence[Any], x: Array, order: int) -> Array:
     """A derivative of several curves, each at its own x (curves, nt)."""
     rows = np.broadcast_to(x, (len(curves), np.shape(x)[-1] if np.ndim(x) else 1))
     return np.array([_value(curve, row, order) for curve, row in zip(curves, rows, strict=True)])
+
+
+def _heights(surfaces: Sequence[Surface], x: Any, y: Any, orders: tuple[int, int]) -> Array:
+    """A derivative of several surfaces, each at its own x and y (surfaces, nt)."""
+    places = np.broadcast_arrays(np.zeros((len(surfaces), 1)), x, y)[1:]
+    return np.array([one.derivative(*at, *orders) for one, *at in zip(surfaces, *places, strict=True)])
 
 
 def entries_of(variant: Variant, name: str) -> tuple[Graph, list[tuple[int, int]], list[Expression]]:
@@ -484,11 +489,16 @@ def _recipe(variant: Variant, name: str) -> _Recipe:
 
 def curves_of(kind: Any) -> list[tuple[int, int]]:
     """Return for each curve of an element its index among the values, and that of its parameter."""
+    return tables_of(kind, "Curve")
+
+
+def tables_of(kind: Any, stored: str) -> list[tuple[int, int]]:
+    """Return the same for the fields of a kind, curves or surfaces."""
     found, at, value = [], 0, 0
     for field, width in zip(kind.fields.values(), kind.widths(), strict=True):
         if field == "Time":
             continue
-        if field == "Curve":
+        if field == stored:
             found.append((value, at))
         at, value = at + width, value + 1
     return found

@@ -59,7 +59,10 @@ class ElementValues:
 
     def __call__(self, q: Array, b: Array, t: float) -> Array:
         """All values at a state, where q is the only operand."""
-        out = np.zeros(self.size)
+        out, q = (
+            np.zeros(self.size),
+            np.require(q, float, ("C", "W")),
+        )  # the drivers are compiled for such arrays
         for run, table in zip(self._drivers, self._tables, strict=True):
             run(table, b, float(t), q, out)
         return out

@@ -25,17 +25,22 @@ GROUPS = ("Phi", "Phi_qT_lam"), ("Phi_q_xi", "Phi_t")  # that runs evaluate, too
 class JointCoordinates(ConstraintOperators):
     """The angles [rad] and displacements [m] of all joints as one vector c(q), with the operators of a constraint.
 
+    The rotations of bodies about global axes may be behind them.
+
     ``Phi(q)`` is c(q), ``Phi_q(q)`` its derivative (a row for each coordinate), ``Phi_q_xi(q, v)`` its rate, and so
     on to third derivatives. They are no part of the equations of motion.
 
     Attributes
     ----------
-    names : ``pin.angle``, ``slide.displacement``, in the order of the rows (nc,)
+    names : ``pin.angle``, ``slide.displacement``, ``top.rotation_z``, in the order of the rows (nc,)
     angles : which of them are angles (nc,)
+    of_joints : how many of them are of joints
     """
 
-    def __init__(self, placed: Sequence[Placement], body_count: int) -> None:
-        self.bodies = ()
+    def __init__(
+        self, of_joints: Sequence[Placement], body_count: int, rotations: Sequence[Placement] = ()
+    ) -> None:
+        self.bodies, self.of_joints, placed = (), len(of_joints), (*of_joints, *rotations)
         self.names = tuple(f"{one.owner}.{one.label}" for one in placed)
         self.angles = np.array(["Memory" in one.element.fields.values() for one in placed], dtype=bool)
         self.populations, self.b = populate(placed, 0)
@@ -76,8 +81,11 @@ class JointCoordinates(ConstraintOperators):
         return values + np.where(self.angles, tau * np.round((near - values) / tau), 0.0)
 
     def with_revolutions(self, values: Array, revolutions: Array) -> Array:
-        """Values of `Phi` plus revolutions (nc,) or (nt, nc); without revolutions if these are empty."""
-        return values + tau * revolutions if np.size(revolutions) else values
+        """Values of `Phi` plus revolutions (nc,) or (nt, nc); as they are where more or fewer revolutions are known."""
+        count = min(self.m, np.shape(revolutions)[-1])
+        whole = np.zeros_like(values)
+        whole[..., :count] = tau * revolutions[..., :count]
+        return values + whole
 
     def revolutions(self, values: Array, q: ArrayLike) -> Array:
         """The revolutions (nc,) of coordinates at a state, which `with_revolutions` adds."""
@@ -86,11 +94,13 @@ class JointCoordinates(ConstraintOperators):
     def along(self, t: Array, q: Array, v: Array, revolutions: Array | None = None) -> tuple[Array, Array]:
         """Values and rates (nt, nc) of a motion.
 
-        Without known revolutions (nt, nc) they are counted from one time to the next, with help of the rates.
+        Without known revolutions (nt, nc) they are counted from one time to the next, of joints with help of the rates.
         """
         values, rates = self._evaluated(t, q, v)
         if revolutions is None or len(revolutions) != len(t):
-            predicted = values[:-1] + 0.5 * np.diff(t)[:, None] * (rates[:-1] + rates[1:])
+            mean = 0.5 * (rates[:-1] + rates[1:])
+            mean[:, self.of_joints :] = 0.0  # infinite where the axis of a body is the axis of the rotation
+            predicted = values[:-1] + np.diff(t)[:, None] * mean
             added = np.where(self.angles, np.round((predicted - values[1:]) / tau), 0.0)
             revolutions = np.concatenate([np.zeros((min(len(t), 1), self.m)), np.cumsum(added, axis=0)])
         return self.with_revolutions(values, np.asarray(revolutions)), rates

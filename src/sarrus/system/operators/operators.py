@@ -117,13 +117,11 @@ class Operators:
     def _evaluate(self, name: str, out: Any, b: Any, /, **operands: Any) -> Any:
         group = self.group(name)
         checked = {key: self._operand(key, value) for key, value in operands.items()}
+        numbers = self.b if b is None else self._vector("b", b, len(self.b))
         result = self._output(name, out)
         data = result if isinstance(result, np.ndarray) else result.data
-        if any(
-            np.may_share_memory(data, operand) for operand in (*checked.values(), b) if operand is not None
-        ):
+        if out is not None and any(np.may_share_memory(data, x) for x in (*checked.values(), numbers)):
             raise ValueError(f"`out` of {name} must not share memory with an operand. Give another array.")
-        numbers = self.b if b is None else self._vector("b", b, len(self.b))
         group.run(numbers, *(checked[key] for key in group.operands), data)
         return result
 
@@ -138,6 +136,8 @@ class Operators:
 
     @staticmethod
     def _vector(key: str, value: Any, length: int) -> Array:
+        if type(value) is np.ndarray and value.dtype == float and value.shape == (length,):
+            return np.ascontiguousarray(value)
         if np.iscomplexobj(value):
             raise TypeError(f"{key} must be real, got complex numbers. Give the real part.")
         try:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import dataclass
 from functools import cache, cached_property
 
@@ -15,6 +14,7 @@ from ...algebra import Array
 from ...elements import BUILT_IN
 from ...elements.operators import Axis, Operator
 from ...elements.recorder import Variant, structure
+from ...linalg.rank import with_data
 from ...model.coordinates import WIDTH
 from .population import Population
 
@@ -48,8 +48,8 @@ class Pattern:
             raise ValueError(
                 f"data must have shape ({self.size},), got {data.shape}. Pass an array of this shape."
             )
-        found = copy(self._empty)
-        found.data, found.indices, found.indptr = data, self.indices.copy(), self.indptr.copy()
+        found = with_data(self._empty, data)
+        found.indices, found.indptr = self.indices.copy(), self.indptr.copy()
         return found
 
     @cached_property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,14 @@ from ...algebra import Array
 from ...elements import BUILT_IN, Element, Normalization, recorder
 from ...elements.element import WIDTHS
 from ...elements.recorder import Variant, distinct, variants
-from ...model import Curve, Formula, ModelError
+from ...model import Curve, Formula, ModelError, Surface
 from ...model.coordinates import WIDTH
 from ...model.expansion.blueprint import Placement
 
 STEP = 3  # numbers that a step of a formula is stored as; one more may change the sign of a constant
 OTHER = 1.234567e-3  # change of the constants of a formula, which makes all of them different
+USUAL = tuple(variant for kind in BUILT_IN for variant in variants(kind))
+NONE = np.zeros(0, dtype=np.int64)
 
 
 @dataclass
@@ -59,7 +62,7 @@ class Population:
     @property
     def end(self) -> int:
         """Index behind the last element's parameters."""
-        return self.at + self.count * self.kind.size()
+        return self.at + self.count * self.kind.size() if self.count else self.at
 
 
 def populate(placed: Sequence[Placement], body_count: int) -> tuple[list[Population], Array]:
@@ -69,9 +72,9 @@ def populate(placed: Sequence[Placement], body_count: int) -> tuple[list[Populat
     -------
     populations : the usual variants of the common kinds first, in their fixed order, then all others; those of
         nonholonomic constraints, whose equations and parameters are last, at the end
-    numbers : all numbers of all elements, then the curves
+    numbers : all numbers of all elements, then the curves and surfaces
     """
-    members: dict[Variant, list[Any]] = {variant: [] for kind in BUILT_IN for variant in variants(kind)}
+    members: dict[Variant, list[Any]] = {variant: [] for variant in USUAL}
     normalizations = [_normalization(body) for body in range(1, body_count + 1)]
     row = place = 0
     for p in sorted((*placed, *normalizations), key=lambda p: p.element.nonholonomic):
@@ -88,11 +91,18 @@ def _normalization(body: int) -> Placement:
 
 
 def _population(variant: Variant, found: list[tuple[Placement, int, int]]) -> Population:
-    placed = [p for p, _, _ in found]
+    if not found:
+        return Population(variant, _no_bodies(variant.moving), [], [], [], NONE, NONE)
+    placed, *places = zip(*found, strict=True)
+    rows, constraints = np.array(places, dtype=np.int64)
     bodies = np.array([distinct(p.bodies) for p in placed], dtype=np.int64).reshape(-1, variant.moving)
-    values, owners, labels = ([getattr(p, n) for p in placed] for n in ("values", "owner", "label"))
-    rows, constraints = (np.array([entry[n] for entry in found], dtype=np.int64) for n in (1, 2))
+    values, owners, labels = [p.values for p in placed], [p.owner for p in placed], [p.label for p in placed]
     return Population(variant, WIDTH * (bodies - 1), values, owners, labels, rows, constraints)
+
+
+@cache
+def _no_bodies(moving: int) -> Array:
+    return np.zeros((0, moving), dtype=np.int64)
 
 
 def _lay_out(populations: list[Population]) -> Array:
@@ -101,15 +111,18 @@ def _lay_out(populations: list[Population]) -> Array:
         population.at = at
         at = population.end
     store: list[float] = []
-    flat = [number for p in populations for number in _numbers(p, at, store)]
+    surfaces: dict[Surface, int] = {}
+    flat = [number for p in populations if p.count for number in _numbers(p, at, store, surfaces)]
     assert len(flat) == at, f"{len(flat)} numbers are laid out where {at} have their places"
     return np.array([*flat, *store], dtype=float)
 
 
-def _numbers(population: Population, end: int, store: list[float]) -> Iterator[float]:
-    """The parameters of a population; curves are stored behind all parameters, and the parameter is their index.
+def _numbers(
+    population: Population, end: int, store: list[float], surfaces: dict[Surface, int]
+) -> Iterator[float]:
+    """The parameters of a population; tables are stored behind all parameters, and the parameter is their index.
 
-    A field that holds the time has no number.
+    Elements on the same surface have it in common. A field that holds the time has no number.
     """
     kinds = [kind for kind in population.kind.fields.values() if kind != "Time"]
     for values in population.values:
@@ -119,6 +132,11 @@ def _numbers(population: Population, end: int, store: list[float]) -> Iterator[f
                 own = value.numbers()
                 store.extend(own)
                 store.extend([0.0] * (_size(value, own) - len(own)))
+            elif kind == "Surface":
+                if value not in surfaces:
+                    surfaces[value] = end + len(store)
+                    store.extend(value.numbers())
+                yield float(surfaces[value])
             elif WIDTHS[kind] > 1:
                 yield from (float(v) for v in value)
             else:
@@ -157,7 +175,7 @@ def places_of(
             for kind, value in zip(fields, p.values, strict=True):
                 if kind == "Curve":
                     yield from ((int(numbers[at]) + n, v) for n, v in enumerate(inside(value)))
-                elif kind != "Memory":
+                elif kind not in ("Memory", "Surface"):
                     yield from ((at + n, v) for n, v in enumerate(value if WIDTHS[kind] > 1 else (value,)))
                 at += WIDTHS[kind]
 

@@ -236,7 +236,7 @@ def _round(value: float) -> float:
 def _sketch(sketch: Sketch, numbers: Numbers) -> dict[str, Any]:
     return {
         **{name: getattr(sketch, name) for name in ("unit", "bodies", "colors", "centers")},
-        "roads": len(sketch.bumps),
+        "moving": [frame.name for frame in sketch.moving],
         "parts": [_drawn(part, numbers) for part in sketch.parts],
         "spans": [_drawn(span, numbers) for span in sketch.spans],
     }

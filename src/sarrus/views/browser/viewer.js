@@ -327,7 +327,7 @@ class Viewer {
     if (!body) return `${name}${of}\n${description}`;
     const r = actor.place(body).slice(0, 3);
     const hint = this.moves ? "\ndouble-click: trace this point" : "";
-    return `${name}${of}\n${description}\nframe of ${actor.data.bodies[body - 1]} at ${Array.from(r, (x) => +x.toPrecision(4)).join(", ")} m${hint}`;
+    return `${name}${of}\n${description}\nframe of ${[...actor.data.bodies, ...actor.data.moving][body - 1]} at ${Array.from(r, (x) => +x.toPrecision(4)).join(", ")} m${hint}`;
   }
 
   highlight(object) {
@@ -446,7 +446,7 @@ class Actor {
     this.number = viewer.data.runs.indexOf(data);
     this.ghost = Boolean(data.color);
     this.q = viewer.array(data.q);
-    const moved = this.data.bodies.length + this.data.roads; // roads that move come behind the bodies
+    const moved = this.data.bodies.length + this.data.moving.length; // roads and wheels that move come behind the bodies
     this.width = 7 * moved;
     this.count = data.count;
     this.start = data.start;
@@ -565,7 +565,7 @@ class Actor {
   addTrace(body, point) {
     if (this.count < 2) return;
     const places = this.path(body, point);
-    const color = this.data.color || this.data.colors[body - 1];
+    const color = this.data.color || this.data.colors[body - 1] || "#23282e";
     const line = (width, opacity) => {
       const one = new THREE.Line2(
         new THREE.LineGeometry(),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...outputs.output import labelled
+from ...outputs.units import quotient, size_in_tables
 from .style import BARS, BLUE, DECADE, GREY, INCHES, ORANGE, new_figure, panels, plot_axes
 
 if TYPE_CHECKING:
@@ -18,17 +19,19 @@ TINY = 1e-12  # of the largest gradient: smaller ones are drawn there
 
 
 def gradient_table(gradient: Gradient, response: int = 0, most: int = 20) -> str:
-    """The numbers of the largest influence on a response: value, derivative, change for 1 % more."""
+    """The numbers of the largest influence on a response: value, derivative, change by 1 % or 1 mm more."""
     (unit,) = _shown(gradient.response_units[response])
     lines = [f"{gradient.responses[response]} = {gradient.values[response]:.9g} {unit}".rstrip()]
     undefined, rows = gradient.undefined, influence_rows(gradient, response)
     width = max([len(name) for name in gradient.names] + [10])
     wide, wider = (max([len(getattr(row, name)) for row in rows[:most]] + [0]) for name in ("unit", "by"))
-    head = f"{'value':>14} {'':<{wide}}{'derivative':>16} {'':<{wider}}{'by 1 % more':>14}"
+    by = f"by {gradient.increment} more"
+    last = max(14, len(by) + 2)
+    head = f"{'value':>14} {'':<{wide}}{'derivative':>16} {'':<{wider}}{by:>{last}}"
     lines.append(f"  {'parameter':<{width}}{head}")
     for row in rows[:most]:
         value = f"{row.value:>14} {row.unit:<{wide}}{row.derivative:>16} {row.by:<{wider}}"
-        change = f"{row.change:>14} {unit}" if row.change else f"{'(value 0)':>14}"
+        change = f"{row.change:>{last}} {unit}" if row.change else f"{'(value 0)':>{last}}"
         lines.append(f"  {row.name:<{width}}{value}{change}".rstrip())
     if len(rows) > most:
         lines.append(f"  and {len(rows) - most} more of less influence")
@@ -40,7 +43,7 @@ def gradient_table(gradient: Gradient, response: int = 0, most: int = 20) -> str
 
 
 class InfluenceRow(NamedTuple):
-    """A number with its unit, a derivative by it with its unit, and the change for 1 % more: none where it is 0."""
+    """A number with its unit, a derivative by it with its unit, and the change by its increment: none where it is 0."""
 
     name: str
     value: str
@@ -56,11 +59,18 @@ def influence_rows(gradient: Gradient, response: int = 0) -> list[InfluenceRow]:
     rows = []
     for name in gradient.ranked(response):
         k = gradient.names.index(name)
-        unit, by = _shown(gradient.units[k], gradient.unit(name, response))
-        derivative, change = f"{gradient.matrix[response, k]:+.7g}", f"{influences[k]:+.4g}"
-        change *= bool(gradient.at[k])
-        rows.append(InfluenceRow(name, f"{gradient.at[k]:.6g}", unit, derivative, by, change))
+        unit, by, size = _unit_in_table(gradient, k, response)
+        derivative, change = f"{gradient.matrix[response, k] * size:+.7g}", f"{influences[k]:+.4g}"
+        change *= bool(gradient.increments[k])
+        rows.append(InfluenceRow(name, f"{gradient.at[k] / size:.6g}", unit, derivative, by, change))
     return rows
+
+
+def _unit_in_table(gradient: Gradient, k: int, response: int) -> tuple[str, str, float]:
+    """The units in which a parameter and a derivative by it are shown, and the first one in SI units."""
+    unit = gradient.table_units[k] or gradient.units[k]
+    own, by = _shown(unit, quotient(gradient.response_units[response], unit))
+    return own, by, size_in_tables(gradient.units[k], unit)
 
 
 def _shown(*units: str) -> list[str]:
@@ -70,6 +80,8 @@ def _shown(*units: str) -> list[str]:
 
 def plot_gradient(gradient: Gradient, ax: Any = None, response: int | None = None, most: int = 15) -> Any:
     """Draw the changes of responses for 1 % more of each number as bars, the largest on top; one panel for each.
+
+    Hardpoints move by 1 mm.
 
     Parameters
     ----------
@@ -104,13 +116,37 @@ def plot_gradient(gradient: Gradient, ax: Any = None, response: int | None = Non
         )
         panel.axvline(0, color=GREY, linewidth=0.8)
         changed = labelled(f"change of {gradient.responses[one]}", gradient.response_units[one])
-        panel.set_xlabel(f"{changed} for 1 % more")
+        panel.set_xlabel(f"{changed} for {gradient.increment} more")
     return axes[0] if len(axes) == 1 else np.array(axes)
+
+
+class VariableRow(NamedTuple):
+    """A design variable at the start and in the optimum, with its unit in tables and the size of this unit."""
+
+    name: str
+    start: str
+    found: str
+    unit: str
+    size: float
+
+
+def variable_rows(optimum: Optimum) -> list[VariableRow]:
+    """All design variables."""
+    none = ("",) * len(optimum.names)
+    found = []
+    for k, (unit, of_table) in enumerate(
+        zip(optimum.units or none, optimum.table_units or none, strict=True)
+    ):
+        size, (shown,) = size_in_tables(unit, of_table), _shown(of_table or unit)
+        start, x = (f"{values[k] / size:.6g}" for values in (optimum.x0, optimum.x))
+        found.append(VariableRow(optimum.names[k], start, x, shown, size))
+    return found
 
 
 def optimum_table(optimum: Optimum) -> str:
     """Design variables before and after; with confidence intervals where parameters were fitted."""
-    (unit,), units = _shown(optimum.unit), _shown(*(optimum.units or [""] * len(optimum.names)))
+    (unit,), rows = _shown(optimum.unit), variable_rows(optimum)
+    units = [row.unit for row in rows]
     span = max(map(len, units))
     error = "" if np.isnan(optimum.error) else f" ± {optimum.error:.0e}"
     value = f"{optimum.value:.6g}{error} {unit}".rstrip()
@@ -118,13 +154,13 @@ def optimum_table(optimum: Optimum) -> str:
     width, fitted = max([len(name) for name in optimum.names] + [8]), bool(optimum.covariance.size)
     more = f"{'std. dev.':>12}{'95 % interval':>28}" if fitted else ""
     lines.append(f"  {'variable':<{width}}{'start':>14}{'found':>14} {'':<{span}}{more}".rstrip())
-    for k, name in enumerate(optimum.names):
-        line = f"  {name:<{width}}{optimum.x0[k]:>14.6g}{optimum.x[k]:>14.6g} {units[k]:<{span}}"
+    for k, row in enumerate(rows):
+        line, size = f"  {row.name:<{width}}{row.start:>14}{row.found:>14} {row.unit:<{span}}", row.size
         if fitted:
-            low, high = optimum.interval(name)
+            low, high = optimum.interval(row.name)
             wide = optimum.deviations[k] > WIDE * max(abs(optimum.x[k]), abs(optimum.x0[k]) or 1.0)
-            text = "not determined" if wide else f"{low:.6g} to {high:.6g}"
-            line += f"{optimum.deviations[k]:>12.3g}{text:>28}"
+            text = "not determined" if wide else f"{low / size:.6g} to {high / size:.6g}"
+            line += f"{optimum.deviations[k] / size:>12.3g}{text:>28}"
         lines.append(line.rstrip())
     lines += [f"  constraint {name}: {value:.6g}" for name, value in optimum.constraints.items()]
     for start in optimum.start_reports:

@@ -12,7 +12,7 @@ from ...model import Model
 from ...model.expansion.blueprint import Blueprint, Placement
 from ...model.expansion.marker import FramedPart
 from ...model.geometry.points import GROUND
-from ...model.geometry.pose import GROUND_POSE, Poses
+from ...model.geometry.pose import Poses
 from ...model.joints.couplings import Coupling
 from ...model.registry import kind_name
 from ..meshes.mesh import Mesh, along
@@ -46,7 +46,7 @@ class Anchor(NamedTuple):
 def anchors(model: Model, plan: Blueprint, section: str) -> list[Anchor]:
     """The anchors of all joints, or of all forces, that are somewhere, which couplings are not."""
     numbers = {name: n for n, name in enumerate((GROUND, *plan.bodies))}
-    poses: Poses = {GROUND: GROUND_POSE, **{body.name: body.pose() for body in model.bodies}}
+    poses = model.design_poses()
     placed: dict[str, list[Placement]] = {}
     for one in plan.placed:
         placed.setdefault(one.owner, []).append(one)
@@ -72,7 +72,7 @@ def _anchor(part: Any, numbers: dict[str, int], poses: Poses, placed: list[Place
     for one in placed:
         known = fields(one)
         if "s" in known:
-            return anchor(one.bodies[:1], [known["s"]] * 2, (np.eye(3), np.eye(3)))
+            return anchor(one.bodies[-1:], [known["s"]] * 2, (np.eye(3), np.eye(3)))
         if "s_i" in known and "s_j" in known:
             return anchor(one.bodies, [known["s_i"], known["s_j"]], _axes(placed))
     return None

@@ -13,23 +13,27 @@ from ...algebra import Array
 from ...model import Model, ModelError
 from ...model.announcement import announce
 from ...model.bodies.mesh_file import MissingReaderError
+from ...model.coordinates import WIDTH
 from ...model.expansion.blueprint import Blueprint, blueprint
 from ...model.geometry.points import GROUND
 from ...model.joints.couplings import Coupling
 from ...model.quantity import SMALLEST_LENGTH
 from ...model.show import quote
+from ...model.tyres.rolling_tyre import SPIN
 from ..meshes import Facets, MeshError
 from ..meshes.mesh import Mesh, along, joined, upright
 from ..meshes.read import given_meshes
 from ..meshes.solids import ball, coil, disc, rim, ring, rod, spiral, wheel
-from .anchors import Anchor, anchors, masses, points_of
+from .anchors import ORIGIN, Anchor, anchors, masses, points_of
 from .body import Outline, body_meshes
 from .coupling import Hold, coupling_parts, hub, wheels
+from .frame import MovingFrame, lifted, spun
 from .joint import RAILS, DrawingScale, joint_parts, mount
 from .part import DAMPER, DARK, LOOK, PALETTE, RUBBER, SPRING, STEEL, Part, Span, body_frame, place_of
-from .road import roads_of
+from .road import Road, roads_of
 
-TYRES = ("tyre", "road_tyre")
+ROLLING = ("brush_tyre", "fiala_tyre", "magic_formula_tyre", "tmeasy_tyre")
+TYRES = ("tyre", "road_tyre", *ROLLING)
 START = np.zeros(1)
 Look = Iterator[Part | Span]
 Z = np.array([0.0, 0.0, 1.0])
@@ -37,7 +41,7 @@ DESCRIPTIONS = {
     "tsda": "spring and damper",
     "rsda": "torsion spring",
     "sphere_contact": "contact",
-    "road_tyre": "tyre",
+    **dict.fromkeys(("road_tyre", *ROLLING), "tyre"),
 }
 
 
@@ -60,7 +64,7 @@ class Sketch:
     weighs : whether there is gravity
     given : whether some shapes are given, not made from joints and points
     notes : messages about what could not be drawn as given
-    bumps : laws of time [m] of the roads that move, whose numbers are behind those of the bodies
+    moving : frames of roads that move and of wheels whose spin is a state; their numbers are behind those of the bodies
     """
 
     name: str
@@ -77,14 +81,12 @@ class Sketch:
     weighs: bool
     given: bool = False
     notes: tuple[str, ...] = ()
-    bumps: tuple[Callable[[float], float], ...] = ()
+    moving: tuple[MovingFrame, ...] = ()
 
-    def road_coordinates(self, t: Array) -> Array:
-        """The coordinates of the roads that move, at times (n,): seven each, as of bodies. (n, 7 roads)"""
-        coordinates = np.zeros((len(t), len(self.bumps), 7))
-        coordinates[:, :, 2] = np.array([[float(bump(at)) for bump in self.bumps] for at in t.tolist()])
-        coordinates[:, :, 3] = 1.0
-        return coordinates.reshape(len(t), -1)
+    def coordinates(self, t: Array, q: Array, v: Array) -> Array:
+        """The coordinates of all that moves, seven each, at times t (n,), of q and v (n, nq)."""
+        bodies = q[:, : WIDTH * len(self.bodies)]
+        return np.column_stack([bodies, *(frame.coordinates(t, q, v) for frame in self.moving)])
 
 
 def sketch(model: Model, positions: Array | None = None, times: Array = START) -> Sketch:
@@ -113,6 +115,7 @@ class _Drawing:
         self.joints, self.forces = (anchors(model, plan, section) for section in ("joints", "forces"))
         self.masses = masses(plan)
         self.notes: list[str] = []
+        self.moving: list[MovingFrame] = []
         self.holds = {anchor.name: self._hold(anchor) for anchor in self.joints}
         self.wheels = wheels(model.joints, self.holds)
         self.given = self._given()
@@ -130,7 +133,7 @@ class _Drawing:
             *self._joints(),
             *self._couplings(),
             *self._forces(),
-            *(one.part for one in roads),
+            *map(self._road, roads),
         ]
         return Sketch(
             self.model.name,
@@ -147,7 +150,7 @@ class _Drawing:
             any(self.model.gravity),
             bool(self.given),
             tuple(self.notes),
-            tuple(one.bump for one in roads if one.bump is not None),
+            tuple(self.moving),
         )
 
     def _given(self) -> dict[str, list[Facets]]:
@@ -222,11 +225,34 @@ class _Drawing:
     def _forces(self) -> Iterator[Part | Span]:
         for anchor in self.forces:
             length = max(self._distance(anchor), self.unit)
-            yield from force_parts(anchor, self.scale, length, self._axle(anchor))
+            axle = self._axle(anchor)
+            if (spin := self.plan.states.get(f"{anchor.name}.{SPIN}")) is not None:
+                yield from self._spinning(anchor, axle, spin.place)
+            else:
+                yield from force_parts(anchor, self.scale, length, axle)
+
+    def _spinning(self, tyre: Anchor, axle: Array, place: int) -> Look:
+        """Yield a wheel whose spin is a state, at a place in v, in a frame of its own."""
+        number = self._add(spun(tyre.name, tyre.bodies[0], tyre.points[0], axle, place))
+        centred = tyre._replace(points=(ORIGIN, ORIGIN), bodies=(number, number))
+        yield from _tyre(centred._replace(description="tyre"), axle)
+
+    def _road(self, road: Road) -> Part:
+        if road.bump is None:
+            return road.part
+        number = 1 + sum(frame.name.startswith("road") for frame in self.moving)
+        return road.part._replace(body=self._add(lifted(f"road {number}", road.bump)))
+
+    def _add(self, frame: MovingFrame) -> int:
+        """The number of a frame behind those of the bodies."""
+        self.moving.append(frame)
+        return len(self.plan.bodies) + len(self.moving)
 
     def _axle(self, tyre: Anchor) -> Array:
-        """The axis of a wheel in axes of its body: that of a hinge near its centre, or across the way ahead."""
+        """The axis of a wheel in axes of its body: the given one, that of a hinge near it, or across the way ahead."""
         body, place = tyre.bodies[0], tyre.points[0]
+        if tyre.kind in ROLLING:
+            return self.model.bodies[body - 1].pose().local_vector(np.asarray(tyre.part.axis, dtype=float))
         for joint in self.joints:
             for side, number in enumerate(joint.bodies):
                 near = np.linalg.norm(joint.points[side] - place) < self.unit
@@ -307,7 +333,7 @@ def force_parts(anchor: Anchor, scale: DrawingScale, length: float, axle: Array)
     ``length`` is the distance of its points [m], ``axle`` the axis of a wheel in axes of its body.
     """
     known = anchor._replace(description=DESCRIPTIONS.get(anchor.kind, anchor.description))
-    if anchor.kind in ("tyre", "road_tyre"):
+    if anchor.kind in TYRES:
         yield from _tyre(known, axle)
     elif anchor.kind in _LOOKS:
         yield from _LOOKS[anchor.kind](known, scale, length)

@@ -11,6 +11,7 @@ from ...model.quantity import SMALLEST_LENGTH
 from .mesh import Mesh, along, joined
 
 AROUND = 24  # corners of a circle
+SPOKES = 5  # of a wheel
 
 Profile = Sequence[Sequence[float]] | Array
 
@@ -78,11 +79,15 @@ def wheel(radius: float, width: float) -> Mesh:
 
 
 def rim(radius: float, width: float) -> Mesh:
-    """The disc in a tyre, with its hub."""
+    """The spokes in a tyre, with their hub: they show that it turns."""
     half = width / 2
-    return joined(
-        [disc(0.62 * radius, -0.3 * half, 0.3 * half, 40), disc(0.16 * radius, -0.6 * half, 0.6 * half)]
+    spoke = box((0.5 * radius, 0.14 * radius, 0.6 * half)).moved(np.array([0.36 * radius, 0.0, 0.0]))
+    angles = np.linspace(0.0, 2 * np.pi, SPOKES, endpoint=False)
+    axes = (
+        np.array([[np.cos(a), -np.sin(a), 0.0], [np.sin(a), np.cos(a), 0.0], [0.0, 0.0, 1.0]]) for a in angles
     )
+    spokes = (spoke.moved(np.zeros(3), turn) for turn in axes)
+    return joined([disc(0.16 * radius, -0.6 * half, 0.6 * half), *spokes])
 
 
 def tube(path: Array, radius: float, *, closed: bool = False, around: int = 8) -> Mesh:

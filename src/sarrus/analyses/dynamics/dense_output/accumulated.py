@@ -61,16 +61,18 @@ def _motion(system: System, run: Any, name: str) -> Solution:
     if run.steps is None and _sparse(run):
         raise UnknownOutput(
             f"{system.name}: the integral of {name} needs the motion between the stored times. "
-            "Simulate with dense_output=True or store_steps=True."
+            "Simulate with store='dense' or store='steps'."
         )
     segments = getattr(run.steps, "segments", [run.steps] if run.steps else [])
     if segments:
         nodes = joined([_nodes(segment) for segment in segments])
     else:
-        nodes = Nodes(run.t, run.q, run.v, run.a, run.lam, run.memory)
+        nodes = Nodes(
+            *map(np.array, (run.t, run.q, run.v, run.a, run.lam, run.memory))
+        )  # those of a run cannot be written
     apart = bool(segments) and not segments[0].precise
     sampler = Sampler(system, Independence(system, nodes.q[0], float(nodes.t[0])), system.b, apart=apart)
-    return Solution(nodes, sampler, lambda t, *_: np.zeros((len(t), system.joint_coordinates.m)))
+    return Solution(nodes, sampler, lambda t, *_: np.zeros((len(t), system.counted_coordinates.m)))
 
 
 def _nodes(steps: StepsTaken) -> Nodes:

@@ -3,6 +3,10 @@
 A motion is interpolated in time through q, v and a at the ends of steps (`nodes`). What is given out lies on the
 constraints, Φ = 0 and Φ_q v = -Φ_t, by the least changes in the metric of M, and its accelerations and multipliers
 solve the equations of motion there: M a + Φ_qᵀλ = Q + S, Φ_q a = γ. All three need the factors of [M Φ_qᵀ; Φ_q 0].
+
+Within a step, the projected q and v are smooth functions of time. Where a step contains many outputs, the projected
+states at a few points of the step are interpolated, and each output where that satisfies the constraints to the
+tolerance of the projection needs no factors for q and v.
 """
 
 from __future__ import annotations
@@ -26,6 +30,7 @@ ROUND = 1e-11  # of the largest coordinate, or of the length: defects below it m
 LEFT = 1e-9  # of the largest velocity: a defect that may stay behind a change, if the next one is not trusted
 MAGNIFIED, SLIGHT = 1e4, 1e-6  # change of v over the defect, and relative to v: above both it is not trusted
 REFINEMENTS, REFINED = 6, 1e-13  # of a and λ: most, and where they end, relative to their size
+POINTS = 7  # of a step with many outputs: their polynomials contain those of the step, which are of degree five at most
 TRUSTED = 1e-12  # pivot over column, below which the order of the pivots is chosen anew
 
 
@@ -100,14 +105,39 @@ class Samples(NamedTuple):
 
 
 @compiled
-def interpolate(nodes: Nodes, row: int, apart: bool, out: Samples, n: int) -> None:
-    """The state at out.t[n] between the nodes `row` and `row + 1`, see `nodes.between`; linear in λ."""
+def interpolate(nodes: Nodes, row: int, apart: bool, out: Samples, n: int, place: int) -> None:
+    """The state at out.t[n] between the nodes `row` and `row + 1`, see `nodes.between`; a and linear λ as `place`."""
     h = nodes.t[row + 1] - nodes.t[row]
     s = (out.t[n] - nodes.t[row]) / h
     between(nodes.q[row], nodes.v[row], nodes.a[row], nodes.q[row + 1], nodes.v[row + 1], nodes.a[row + 1],
-            s, h, apart, out.q[n], out.v[n], out.a[n])  # fmt: skip
+            s, h, apart, out.q[n], out.v[n], out.a[place])  # fmt: skip
     for k in range(nodes.lam.shape[1]):
-        out.lam[n, k] = (1.0 - s) * nodes.lam[row, k] + s * nodes.lam[row + 1, k]
+        out.lam[place, k] = (1.0 - s) * nodes.lam[row, k] + s * nodes.lam[row + 1, k]
+
+
+@compiled
+def interpolate_points(points: Samples, first: int, out: Samples, n: int) -> None:
+    """q and v at out.t[n] by the polynomials through POINTS states from `first` on, at Chebyshev's points of a step.
+
+    By the second barycentric formula, J.-P. Berrut and L. N. Trefethen, SIAM Review 46 (2004), equation (5.4).
+    """
+    total = 0.0
+    for k in range(points.q.shape[1]):
+        out.q[n, k] = out.v[n, k] = 0.0
+    for j in range(POINTS):
+        away = out.t[n] - points.t[first + j]
+        weight = (-1.0) ** j if 0 < j < POINTS - 1 else 0.5 * (-1.0) ** j
+        if away == 0.0:
+            for k in range(points.q.shape[1]):
+                out.q[n, k], out.v[n, k] = points.q[first + j, k], points.v[first + j, k]
+            return
+        total += weight / away
+        for k in range(points.q.shape[1]):
+            out.q[n, k] += weight / away * points.q[first + j, k]
+            out.v[n, k] += weight / away * points.v[first + j, k]
+    for k in range(points.q.shape[1]):
+        out.q[n, k] /= total
+        out.v[n, k] /= total
 
 
 @compiled
@@ -151,6 +181,17 @@ def size_of(x: Array, count: int, length: float) -> float:
 
 
 @compiled
+def largest_defect(n: int, work: Work, matrix: Matrix, violation: Array, kind: int) -> float:
+    """The largest defect of the equations that are solved, scaled; `violation` of this kind receives that of all."""
+    every, worst, placed = 0.0, 0.0, matrix.placed
+    for k in range(len(work.rate)):
+        stored = placed.scale[placed.row_place[n + k]] * work.rate[k] * (1.0 - matrix.left_out[k])
+        every, worst = max(every, abs(work.rate[k])), max(worst, abs(stored))
+    violation[kind] = every
+    return worst
+
+
+@compiled
 def correct(
     x: Array, before: float, least: float, work: Work, matrix: Matrix, violation: Array, kind: int
 ) -> tuple[float, int]:
@@ -160,11 +201,9 @@ def correct(
     of x or `least` either, the change before has not helped and is UNDONE. `violation` of this kind receives the
     defect as it is.
     """
-    n, every, worst, placed = len(x), 0.0, 0.0, matrix.placed
-    for k in range(len(work.rate)):
-        stored = placed.scale[placed.row_place[n + k]] * work.rate[k] * (1.0 - matrix.left_out[k])
-        every, worst = max(every, abs(work.rate[k])), max(worst, abs(stored))
-    violation[kind], size = every, max(least, size_of(x, work.moving, length_of(placed)))
+    n, placed = len(x), matrix.placed
+    worst = largest_defect(n, work, matrix, violation, kind)
+    size = max(least, size_of(x, work.moving, length_of(placed)))
     if worst <= PROJECTED * least or (not worst < 0.5 * before and worst < ROUND * size):
         return worst, DONE
     if not worst < 0.5 * before:
@@ -179,6 +218,27 @@ def correct(
     for k in range(n):
         x[k] -= work.solution[k]
     return worst, CHANGED
+
+
+@compiled
+def consistent(
+    entries: Entries,
+    b: Array,
+    t: float,
+    q: Array,
+    v: Array,
+    lam: Array,
+    work: Work,
+    matrix: Matrix,
+    violation: Array,
+) -> bool:
+    """Whether `project` would not change the state; `violation` receives the largest defects."""
+    position_defect(entries, b, t, q, lam, work)
+    if not largest_defect(len(q), work, matrix, violation, 0) <= PROJECTED:
+        return False
+    velocity_defect(entries, b, t, q, v, work)
+    fastest = max(TINY, size_of(v, work.moving, length_of(matrix.placed)))
+    return largest_defect(len(q), work, matrix, violation, 1) <= PROJECTED * fastest
 
 
 @compiled
@@ -358,13 +418,15 @@ def shortest(
 @compiled(entry=True)
 def sample(
     entries: Entries, b: Array, places: Array, nodes: Nodes, apart: bool, out: Samples, first: int, row: int,
-    work: Work, matrix: Matrix, others: Omissions, known: Samples, monitored: bool, rounds: int,
+    work: Work, matrix: Matrix, others: Omissions, known: Samples, points: Samples, point_of: Array, monitored: bool,
+    rounds: int,
 ) -> tuple[int, int]:  # fmt: skip
     """Fill `out` from entry `first` on at its times, all within the nodes; `row` is the node to begin with.
 
     What constraints are off and growth are computed only if `monitored`. Positions and velocities that are `known` are
-    taken over. Accelerations and multipliers are solved for in so many rounds, at most; without any they are as
-    interpolated, and growth is not computed.
+    taken over. Those of steps with `points`, from `point_of` each node on, are interpolated between these where that is
+    consistent. Accelerations and multipliers are solved for in so many rounds, at most; without any, only q and v are
+    filled.
 
     Returns
     -------
@@ -376,26 +438,37 @@ def sample(
             row += 1
         for k in range(len(places)):
             b[places[k]] = nodes.memory[row, k]
+        place = n if rounds > 0 else 0  # memory that is not written is not allocated
+        t, q, v, a, lam = out.t[n], out.q[n], out.v[n], out.a[place], out.lam[place]
         if row + 1 < len(nodes.t):
-            interpolate(nodes, row, apart, out, n)
+            interpolate(nodes, row, apart, out, n, place)
         else:
             for k in range(nodes.q.shape[1]):
-                out.q[n, k], out.v[n, k], out.a[n, k] = nodes.q[row, k], nodes.v[row, k], nodes.a[row, k]
+                q[k], v[k], a[k] = nodes.q[row, k], nodes.v[row, k], nodes.a[row, k]
             for k in range(nodes.lam.shape[1]):
-                out.lam[n, k] = nodes.lam[row, k]
-        t, q, v, lam = out.t[n], out.q[n], out.v[n], out.lam[n]
-        if not factor(entries, b, t, q, matrix) > TRUSTED:
+                lam[k] = nodes.lam[row, k]
+        if rounds > 0 and not factor(entries, b, t, q, matrix) > TRUSTED:
             break
+        ready = False
         if len(known.t):
             if known.growth[n] > INFINITE:  # this state could not be projected
                 break
             for k in range(len(q)):
                 q[k], v[k] = known.q[n, k], known.v[n, k]
             out.violation[n, 0], out.violation[n, 1] = known.violation[n, 0], known.violation[n, 1]
-        elif not project(entries, b, t, q, v, lam, work, matrix, out.violation[n], monitored):
-            break
+            ready = True
+        elif point_of[row] >= 0:
+            interpolate_points(points, point_of[row], out, n)
+            ready = consistent(entries, b, t, q, v, lam, work, matrix, out.violation[n])
+            if not ready:
+                interpolate(nodes, row, apart, out, n, place)
+        if not ready:
+            if rounds == 0 and not factor(entries, b, t, q, matrix) > TRUSTED:
+                break
+            if not project(entries, b, t, q, v, lam, work, matrix, out.violation[n], monitored):
+                break
         if rounds > 0:
-            solve_motion(entries, b, t, q, v, out.a[n], lam, work, matrix, rounds)
+            solve_motion(entries, b, t, q, v, a, lam, work, matrix, rounds)
             shortest(entries, b, t, q, lam, work, matrix, others)
             if monitored:
                 out.growth[n] = growth_of(work, matrix)

@@ -12,13 +12,14 @@ from ...._jit.linking.link import link
 from ....algebra import Array
 from ....linalg.sparse_solver import SingularMatrix
 from ....system import System
+from ....system.cached import once_alike
 from ....system.curves.curve_potentials import curve_potentials
-from ...equations.block_matrix import FACTORS, PRECISE, PlacedMatrix, motion_matrix
+from ...equations.block_matrix import PRECISE, PlacedMatrix, motion_matrix
 from ...equations.minimum_norm import left_out
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.entries import entry_of
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import RunFailure
+from ..stepping.stepper import FactoredPart, RunFailure
 from . import sample_loop as loop
 
 GROUPS = {
@@ -32,8 +33,10 @@ GROUPS = {
 }
 
 PORTION = 400  # states, after which an analysis may be stopped
+PARTS = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, loop.POINTS))  # of a step, where its points are
 
 
+@once_alike
 def motion_entries(system: System) -> loop.Entries:
     """The kernels of the equations of motion, for compiled code."""
     groups = (*GROUPS.values(), ("potentials",), ("remembered",))
@@ -58,11 +61,11 @@ def samples_at(system: System, times: Array) -> loop.Samples:
     """Buffers for states at these times."""
     nq, m, n = system.nq, system.m, len(times)
     states = (np.zeros((n, width)) for width in (nq, nq, nq, m, 2, 2))
-    remembered = (np.zeros((n, width)) for width in (len(system.memory_places), system.joint_coordinates.m))
+    remembered = (np.zeros((n, width)) for width in (len(system.memory_places), system.counted_coordinates.m))
     return loop.Samples._make([np.array(times, dtype=float), *states, np.zeros(n), *remembered])
 
 
-class Sampler:
+class Sampler(FactoredPart):
     """States of one system made consistent, by compiled code.
 
     Parameters
@@ -73,6 +76,8 @@ class Sampler:
     host : a matrix whose pattern contains that of the equations of motion, if there is one
     apart : whether q and v are interpolated apart, see `nodes.between`
     """
+
+    VARIABLES = "independence", "_work.weak", "matrix", "_is_factored"
 
     def __init__(
         self,
@@ -107,13 +112,16 @@ class Sampler:
         *,
         shortest: bool = True,
         known: loop.Samples | None = None,
+        crowded: int | None = None,
         monitored: bool = True,
         rounds: int = loop.REFINEMENTS,
     ) -> Iterator[int]:
         """Fill buffers with states at their times, and yield after each portion how many there are.
 
-        Where equations are dependent, with the `shortest` multipliers, or any; see `sample_loop.sample`.
+        Where equations are dependent, with the `shortest` multipliers, or any. Steps with at least so many states as
+        `crowded` have points, between which positions and velocities are interpolated; see `sample_loop.sample`.
         """
+        points, point_of = self._points(out.t, nodes, crowded)
         self._choose(float(nodes.t[0]), nodes.q[0])
         if out.memory.size:
             out.memory[:] = nodes.memory[np.maximum(np.searchsorted(nodes.t, out.t) - 1, 0)]
@@ -124,7 +132,7 @@ class Sampler:
                 self._renew(out, done, nodes, row)
                 renewed = done
             if self._arrays is None:
-                self._leave(out, done, nodes)
+                self._leave(out, done, nodes, points, point_of)
                 done += 1
             else:
                 done, row = self._sample(
@@ -140,12 +148,32 @@ class Sampler:
                     self._arrays,
                     left_out(self.system, self.independence.rows if shortest else None),
                     known or self.capacity(out.t[:0]),
+                    points,
+                    point_of,
                     monitored,
                     rounds,
                 )
                 if done < last:
                     self._arrays = None
             yield done
+
+    def _points(self, times: Array, nodes: Nodes, crowded: int | None) -> tuple[loop.Samples, Array]:
+        """Projected states at the points of crowded steps, and the first row of each step there, or -1."""
+        point_of = np.full(len(nodes.t), -1)
+        steps = np.zeros(0, np.int64)
+        if crowded is not None:
+            steps = np.flatnonzero(np.diff(np.searchsorted(times, nodes.t, side="right")) >= crowded)
+        if not len(steps):
+            return self.capacity(times[:0]), point_of
+        begin, ends = self.state(), nodes.t[steps + 1]
+        inside = nodes.t[steps, None] + PARTS * (ends - nodes.t[steps])[:, None]
+        points = self.states(
+            nodes, np.column_stack([inside[:, :-1], ends]).ravel(), monitored=False, rounds=0
+        )
+        self.resume(begin)  # choices for other states do not depend on points
+        projected = np.isfinite(points.growth.reshape(-1, loop.POINTS)).all(axis=1)
+        point_of[steps[projected]] = loop.POINTS * np.flatnonzero(projected)
+        return points, point_of
 
     def energies(self, states: Nodes | loop.Samples) -> Array:
         """Kinetic and potential energies, and the power of moved constraints (n, 3)."""
@@ -156,7 +184,7 @@ class Sampler:
         energy[:, 1] += curve_potentials(self.system.populations, self.b, memory, states.t, states.q)
         return energy
 
-    def state(self, t: float, q: Array, v: Array, memory: Array) -> loop.Samples:
+    def state_at(self, t: float, q: Array, v: Array, memory: Array) -> loop.Samples:
         """Return one consistent state."""
         node = self.node(t, q, v, memory)
         return self.states(node, node.t)
@@ -166,12 +194,15 @@ class Sampler:
         a, lam = np.zeros((1, self.system.nq)), np.zeros((1, self.system.m))
         return Nodes(np.array([t]), q[None].copy(), v[None].copy(), a, lam, memory[None].copy())
 
-    def _leave(self, out: loop.Samples, n: int, nodes: Nodes) -> None:
+    def _leave(self, out: loop.Samples, n: int, nodes: Nodes, points: loop.Samples, point_of: Array) -> None:
         """A state where the equations of motion cannot be solved: as interpolated."""
         t = float(out.t[n])
-        q, v = out.q[n], out.v[n] = (
-            nodes.near(t, self.apart) if len(nodes.t) > 1 else (nodes.q[0], nodes.v[0])
-        )
+        first = point_of[np.clip(np.searchsorted(nodes.t, t) - 1, 0, max(len(nodes.t) - 2, 0))]
+        if first >= 0:
+            loop.interpolate_points(points, first, out, n)
+        else:
+            out.q[n], out.v[n] = nodes.near(t, self.apart) if len(nodes.t) > 1 else (nodes.q[0], nodes.v[0])
+        q, v = out.q[n], out.v[n]
         out.a[n], out.lam[n], out.growth[n] = np.nan, np.nan, np.inf
         system, b = self.system, self.b
         rate = system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b)
@@ -211,22 +242,10 @@ class Sampler:
         """The matrix as the loop takes it."""
         self._arrays = motion_arrays(self.matrix)
 
-    def choices(self) -> dict[str, Array]:
-        """The choices made so far, which decide on the last digits; for `resume`."""
-        found = {"sampler_null": self.independence.state(), "sampler_weak": self._work.weak}
-        ready = self._arrays is not None
-        return found | {f"sampler_{name}": array for name, array in self.matrix.state().items() if ready}
-
     def resume(self, state: Mapping[str, Array]) -> None:
-        """Take over choices made before."""
-        self.independence.resume(state["sampler_null"])
+        """See `RunPart`: the choices made before, which decide on the last digits."""
+        super().resume(state)
         self.matrix.numbers.keep(self.independence.rows)
-        self._work.weak[:] = state["sampler_weak"]
-        if "sampler_factors" in state:
-            self.matrix.resume(*(state[f"sampler_{name}"] for name in FACTORS))
-            self._show_matrix()
-        else:
-            self._arrays = None
 
     def pushed(self, t: float, q: Array, f: Array) -> Array:
         """w of M w + Φ_qᵀσ = f, Φ_q w = 0: what an impulse f does to v in a consistent state near the last one.

@@ -1,11 +1,10 @@
-"""Revolutions of joints' angles along a run, counted from step to step.
+"""Revolutions of joints' angles and of rotations of bodies along a run, counted from step to step.
 
 Outputs may be any number of revolutions apart: what lies between them is known to the time integration alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cached_property
 from typing import Any
 
@@ -18,11 +17,12 @@ from ....system import System
 from ....system.operators.joints import GROUPS
 from ..stepping.entries import entry_of
 from ..stepping.nodes import Nodes
+from ..stepping.stepper import RunPart
 from . import winding_loop as loop
 
 
-class Winding:
-    """The joints' coordinates at the last state taken.
+class Winding(RunPart):
+    """The joints' coordinates, and the rotations of bodies about global axes, at the last state taken.
 
     Parameters
     ----------
@@ -35,12 +35,14 @@ class Winding:
     residual, velocity, work : of `winding_loop.count`
     """
 
+    VARIABLES = "values", "first"
+
     def __init__(self, system: System) -> None:
-        self._of = of = system.joint_coordinates
+        self._of = of = system.counted_coordinates
         self.values, self.first = np.zeros(of.m), np.zeros(0)
         operators: Any = of  # they have the structure of a system's constraints
         self.residual, self.velocity = (entry_of(operators, *names) if of.m else NONE for names in GROUPS)
-        self.work = loop.Work(*(np.zeros(n) for n in (of.m, of.m, of.nq, of.m, of.m, of.m)))
+        self.work = loop.Work(*(np.zeros(n) for n in (of.m, of.m, of.nq, of.m, of.m, of.of_joints)))
 
     def begin(self, q: Array, revolutions: Array) -> None:
         """A start; without revolutions each angle is nearest to its initial value."""
@@ -55,14 +57,6 @@ class Winding:
                 self.work,
             )  # fmt: skip
         return full_revolutions
-
-    def state(self) -> dict[str, Array]:
-        """Return the data that a continued run needs."""
-        return {"winding": self.values, "winding_first": self.first}
-
-    def resume(self, state: Mapping[str, Array]) -> None:
-        """Go on from such a state."""
-        self.values, self.first = np.array(state["winding"]), state["winding_first"]
 
 
 def revolutions_between(system: System, nodes: Nodes, known: Array, t: Array, q: Array, v: Array) -> Array:

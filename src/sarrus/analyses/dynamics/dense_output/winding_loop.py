@@ -1,4 +1,4 @@
-"""Angles of joints with their revolutions from state to state: one function that is compiled."""
+"""Angles of joints and rotations of bodies with their revolutions from state to state: one compiled function."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ REVOLUTION = 6.283185307179586
 
 
 class Work(NamedTuple):
-    """Operators' operands and outputs; `lam` and `force` are those of a kernel that gives Φ beside others."""
+    """Operators' operands and outputs; `lam` and `force` are those of a kernel that gives Φ beside others.
+
+    `before` are the rates of joints at the state before.
+    """
 
     lam: Array
     Phi: Array
@@ -29,17 +32,19 @@ def count(
 ) -> None:  # fmt: skip
     """Fill `full_revolutions` (nt, nc), those beyond Φ; `last` (nc,), the coordinates before, is replaced.
 
-    An angle is taken nearest to the one before and the mean of both rates times the time between.
+    An angle is taken nearest to the one before and the mean of both rates times the time between; a rotation of a body
+    is taken nearest to the one before, since its rate is infinite where its axis is one of the body's.
     """
     for n in range(len(t)):
         k = max(n - 1, 0)
         call_kernels(velocity, b, t[n], q[n], v[n], work.rate, work.Phi_t)
         call_kernels(residual, b, t[n], q[n], work.lam, work.Phi, work.force)
-        for c in range(len(work.rate)):
-            near = last[c]
-            if n > 0:
+        for c in range(len(work.Phi)):
+            near, of_joint = last[c], c < len(work.before)
+            if n > 0 and of_joint:
                 near += 0.5 * (t[n] - t[k]) * (work.rate[c] + work.before[c])
             if angles[c]:
                 full_revolutions[n, c] = round((near - work.Phi[c]) / REVOLUTION)
             last[c] = work.Phi[c] + REVOLUTION * full_revolutions[n, c]
-            work.before[c] = work.rate[c]
+            if of_joint:
+                work.before[c] = work.rate[c]

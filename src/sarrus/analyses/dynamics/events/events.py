@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
+from ....model import ModelError
 from ....model.checks.arguments import WholeNumber, real
-from ....results import EventRecord
-from ....results.motion.events import event_records, records_to_store
+from ....results import EventRecord, EventStep
+from ....results.motion.events import records_to_store
 from ....system import System
 from ..dense_output.sampler import Sampler
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import RunFailure
+from ..stepping.stepper import RunFailure, RunPart
 from .event_output import EventOutput, as_formula, takes_outputs
 
 LOOKS = 4  # at so many places of a step a crossing is looked for
@@ -25,6 +26,7 @@ JUMPED = 1e5  # times as far from zero as it moves until then: new velocities ha
 # of what it moves until then: so near to zero when another event comes, it crosses at the same time
 MEETS = 1e-2
 NEAR = 1e-13  # of the time reached: where root finding ends
+CROWD, CROWDED = 20, 1e-6  # so many events within this part of the whole time: they accumulate
 Function = Callable[[float, Array, Array], float]
 
 
@@ -129,8 +131,10 @@ def _struck(event: Event, restitution: float | None) -> Event:
     return replace(event, reset=replace(event.reset, restitution=restitution))
 
 
-class Watch:
+class Watch(RunPart):
     """One event along one run."""
+
+    VARIABLES = "count", "last", "at", "near"
 
     def __init__(self, system: System, event: Event) -> None:
         self.event = event
@@ -230,7 +234,7 @@ class Watch:
         Raises
         ------
         ValueError
-            For a reset that does not return velocities.
+            For a reset that does not return velocities, and an impact along an output that no impulse changes.
         """
         reset = self.event.reset
         if reset is None:
@@ -239,8 +243,22 @@ class Watch:
             return self._velocities(reset(t, q.copy(), v.copy()), len(v))
         assert isinstance(self.output, EventOutput)  # of a name: see `Event`
         s_q, s_t = self.output.gradient(t, q, v)
+        if not s_q.any():
+            raise ModelError(
+                f"the impact of the event {self.name} is along an output that no impulse changes. Name one of a body "
+                'that is free to move, as in Impact(0.5, along="ball.z").'
+            )
         w = sampler.pushed(t, q, s_q)
         return np.asarray(v - (1 + reset.restitution) * (s_q @ v + s_t) / (s_q @ w) * w)
+
+    def event_step(self, t: float, q: Array, v: Array, after: Array, ends: bool) -> EventStep:
+        """The record for derivatives of an event, which changes velocities or ends the run."""
+        reset, changes = self.event.reset, dict[str, Any]()
+        if isinstance(reset, Impact) and not ends:
+            changes = {"along": reset.along or self.event.function, "restitution": reset.restitution}
+        elif not ends:
+            changes = {"reset": reset}
+        return EventStep(name=self.name, t=t, function=self.event.function, q=q, v=v, after=after, **changes)
 
     def _velocities(self, given: Any, size: int) -> Array:
         """Check the velocities that a user's function returned."""
@@ -271,13 +289,15 @@ def _looks(nodes: Nodes, apart: bool) -> Iterator[tuple[float, Array, Array]]:
         yield float(t1), nodes.q[k + 1], nodes.v[k + 1]
 
 
-class Watches:
+class Watches(RunPart):
     """All events of one run.
 
     Attributes
     ----------
     span, until : how long it takes, and its end [s]
     """
+
+    VARIABLES = ("_all",)
 
     def __init__(self, system: System, events: Sequence[Event]) -> None:
         self._all = [Watch(system, event) for event in events]
@@ -297,21 +317,32 @@ class Watches:
         for watch in self._all:
             watch.begin(t, q, v, event, self.span)
 
-    def state(self) -> dict[str, Array]:
-        """Return the data of the events so far."""
-        every, names = self._all, [watch.name for watch in self._all]
-        found = {"watch_count": np.array([watch.count for watch in every], dtype=np.int64)}
-        found["watch_last"] = np.array([watch.last for watch in every])
-        found["watch_at"] = np.array([watch.at for watch in every])
-        found |= {f"watch_near_{n}": watch.near for n, watch in enumerate(every)}
-        return found | records_to_store(self.records, names)
+    def record(self, watch: Watch, t: float, q: Array, v: Array, sampler: Sampler) -> Array:
+        """Count and record an event; returns the velocities after it."""
+        watch.count, watch.at = watch.count + 1, t
+        after = watch.after(t, q, v, sampler)
+        self.records.append(EventRecord(watch.name, t, q, v, after))
+        return after
 
-    def resume(self, state: Mapping[str, Array]) -> None:
-        """Continue from such a state."""
-        for n, watch in enumerate(self._all):
-            watch.count, watch.last = int(state["watch_count"][n]), float(state["watch_last"][n])
-            watch.at, watch.near = float(state["watch_at"][n]), state[f"watch_near_{n}"]
-        self.records = event_records(state)
+    def refuse_crowd(self) -> None:
+        """Refuse events that follow each other ever faster.
+
+        Raises
+        ------
+        RunFailure
+        """
+        last = self.records[-CROWD:]
+        if len(last) == CROWD and last[-1].t - last[0].t <= CROWDED * self.span:
+            raise RunFailure(
+                "events accumulate",
+                f"{CROWD} events, the last {last[-1].name}, are within {last[-1].t - last[0].t:.2g} s near "
+                f"t = {last[-1].t:.6g} s, as impacts that lose energy come to rest in finite time. End the run with "
+                "terminal=..., or model the contact by a force.",
+            )
+
+    def stored_records(self) -> dict[str, Array]:
+        """The events so far, as results of a saved run."""
+        return records_to_store(self.records, [watch.name for watch in self._all])
 
     def crossings(self, nodes: Nodes, sampler: Sampler) -> list[tuple[float, Watch]]:
         """All crossings within the nodes, in the order of time; of those at one time, resets come last.

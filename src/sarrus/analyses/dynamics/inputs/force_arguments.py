@@ -35,8 +35,7 @@ from .laws_of_time import fields_of_time
 OPERANDS = ("q", "v")
 END = np.ones(1)
 WITHIN = 2.0  # steps
-NEAR_MISS = 0.1  # of tan² between a length and its rate: below, its ends may pass through each other
-FAR = 5.0  # times the way of the ends in a step: others do not meet within it
+MEETS = 1e-8  # [-] of tan² between a length and its rate: below, its ends pass through each other
 POLYNOMIAL = {"add", "sub", "mul", "neg", "input", "constant"}  # operations of |d|² of positions
 
 
@@ -50,20 +49,9 @@ class Length(NamedTuple):
     aside: Any
     bend: Any
 
-    def meets(self, h: Any, most: float = NEAR_MISS) -> Any:
-        """Whether the ends, with their present velocities, meet about within a time h, if that tan² is at most so much.
-
-        Ends that turn back have no velocity: the length is stationary there, too.
-        """
-        return (self.aside < most * self.rate * self.rate) & (abs(self.rate) < WITHIN * h * self.bend)
-
-    def is_far(self, h: Any) -> Any:
-        """Whether the ends, with their present velocities, are so far apart that they do not come near within a time h.
-
-        s > (5 h |ḋ|)² with s̈ for 2 |ḋ|², both sides times 2 s̈. Where the ends rotate, s̈ may be less than that before
-        they meet, but is then more after it, as d reverses.
-        """
-        return self.aside + self.rate * self.rate > (FAR * h * self.bend) ** 2
+    def meets(self, h: Any) -> Any:
+        """Whether the ends, with their present velocities, meet within a time h, or did so, but for round-off."""
+        return (self.aside < MEETS * self.rate * self.rate) & (abs(self.rate) < WITHIN * h * self.bend)
 
 
 class ForceFunctions(NamedTuple):
@@ -123,14 +111,14 @@ def law_signs(law: object) -> list[Expression]:
     return steps_in(graph, [found])
 
 
+def is_force(p: Population) -> bool:
+    """Whether elements are forces."""
+    return OPERATORS["Q"] in p.kind.family
+
+
 def has_kinks(p: Population) -> bool:
     """Whether signs change the forces of elements, or formulas in them."""
     return bool(force_functions(p.variant).signs) or any(law_signs(x) for own in p.values for x in own)
-
-
-def has_corners(p: Population) -> bool:
-    """Whether forces of elements have kinks, or lengths, which may vanish."""
-    return has_kinks(p) or bool(force_functions(p.variant).lengths)
 
 
 @cache
@@ -148,23 +136,26 @@ def _recorded(variant: Variant) -> Recording:
 @once
 def forces(system: System, wanted: Callable[[Population], bool]) -> list[int]:
     """Indices of the populations of forces that a function is true of."""
-    return [
-        n for n, p in enumerate(system.populations)
-        if p.count and OPERATORS["Q"] in p.kind.family and wanted(p)
-    ]  # fmt: skip
+    return [n for n, p in enumerate(system.populations) if p.count and is_force(p) and wanted(p)]
 
 
 @once
-def that_jumps(system: System) -> str:
-    """The part of the model whose force jumps with the state by a user's law, if any: errors may not be seen there."""
+def that_jump(system: System) -> tuple[str, ...]:
+    """The parts of the model whose forces jump with the state by a user's law: errors may not be seen there."""
     own = (system.populations[n] for n in forces(system, has_kinks))
-    return next((owner for p in own for owner in _owners_of_jumps(p)), "")
+    return tuple(dict.fromkeys(owner for p in own for owner in _owners_of_jumps(p)))
+
+
+@cache
+def _element_jumps(variant: Variant) -> bool:
+    """Whether the recorded force of a kind of element jumps."""
+    entries = force_functions(variant).entries
+    return any(jumps(x, TIME, "numbers", by=["positive"]) for x in entries)  # angles are nearest to others
 
 
 def _owners_of_jumps(p: Population) -> Iterator[str]:
     """Those whose element jumps, if it is a user's, or a formula over the state in it."""
-    entries = [] if p.kind in BUILT_IN else force_functions(p.variant).entries
-    if any(jumps(x, TIME, "numbers", by=["positive"]) for x in entries):  # angles are nearest to others
+    if p.kind not in BUILT_IN and _element_jumps(p.variant):
         yield p.owners[0]
     for _, place in curves_over_states(p):
         for k in range(p.count):
@@ -191,6 +182,7 @@ class ForceArguments:
 
     Attributes
     ----------
+    entry : kernels of all values
     size : number of values at each state
     """
 
@@ -198,7 +190,7 @@ class ForceArguments:
         self._system, self._b = system, system.b.copy()
         own = [system.populations[n] for n in populations]
         self._values = ElementValues("force_arguments", own, _recorded, OPERANDS)
-        self._entry, self.size = self._values.entry(), self._values.size
+        self.entry, self.size = self._values.entry(), self._values.size
         places = zip(self._values.starts, self._values.widths, strict=True)
         self._first: dict[int, tuple[int, int]] = dict(zip(populations, places, strict=True))
         self._work = np.zeros((3, system.nq))
@@ -213,7 +205,7 @@ class ForceArguments:
         self._b[:] = b
         found = np.zeros((1 + (len(nodes.t) - 1) * len(parts), self.size))
         if self.size:
-            given = (self._entry, self._b, self._system.memory_places, nodes, parts, apart, self._work)
+            given = (self.entry, self._b, self._system.memory_places, nodes, parts, apart, self._work)
             link(look)(*given, found)
         return found
 

@@ -22,7 +22,7 @@ from ...._jit.formulas.replay import needed, replay
 from ....algebra import Array
 from ....elements import OPERATORS
 from ....elements.recorder import Variant, record
-from ....model import Curve, Formula
+from ....model import Curve, Formula, Surface
 from ....model.expression import Number
 from ....system import System
 from ....system.cached import once
@@ -80,15 +80,12 @@ class Law:
     def __hash__(self) -> int:
         return hash(self._key)
 
-    def __call__(self, t: Array) -> Array:
-        """Its values (nt,)."""
-        return self._of([self._value], t)[0]
-
-    def rates(self, t: Array) -> Array:
-        """Its derivatives (nt,)."""
-        return self._of(
-            list(jacobian(self._graph, [self._value], [self._graph.input(self._variable)])[0]), t
-        )[0]
+    def __call__(self, t: Array, order: int = 0) -> Array:
+        """Its values, or its derivatives of an order (nt,)."""
+        value: Any = self._value
+        for _ in range(order):
+            ((value,),) = jacobian(self._graph, [value], [self._graph.input(self._variable)])
+        return self._of([value], t)[0]
 
     def _of(self, wanted: list[Any], t: Array) -> list[Array]:
         """Intermediate results, each (nt,)."""
@@ -206,7 +203,7 @@ def _features_of(law: Law, begin: float, until: float) -> Features:
     """Those of one law: ends of parts that are shorter than half of the longest one."""
     parts, none = parts_of(law, begin, until), np.zeros(0)
     if parts.too_many:
-        rates = abs(law.rates(np.linspace(begin, until, SAMPLES)))
+        rates = abs(law(np.linspace(begin, until, SAMPLES), 1))
         return Features(parts.corners, none, parts.spread / float(rates[np.isfinite(rates)].max()))
     lengths = np.diff(parts.ends)
     if len(lengths) < 2:
@@ -255,8 +252,8 @@ def _with_numbers(variant: Variant, graph: Graph, value: Expression, numbers: Ar
 
 
 def _number(value: Any) -> Any:
-    """A curve has the place of one number."""
-    return np.nan if isinstance(value, Curve | Formula) else value
+    """A curve or a surface has the place of one number."""
+    return np.nan if isinstance(value, Curve | Formula | Surface) else value
 
 
 @cache
@@ -288,7 +285,9 @@ def expressions_of_time(variant: Variant) -> tuple[Graph, list[Expression]]:
             levels.append({"t": OF_TIME, "numbers": FIXED}.get(node.value[0], MOVES))
         else:
             levels.append(
-                MOVES if node.op.startswith("curve") else max((levels[n] for n in node.args), default=FIXED)
+                MOVES
+                if node.op.startswith(("curve", "surface"))
+                else max((levels[n] for n in node.args), default=FIXED)
             )
     inner = {
         n for node, level in zip(graph.nodes, levels, strict=True) if level == OF_TIME for n in node.args

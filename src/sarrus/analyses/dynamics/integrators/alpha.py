@@ -13,10 +13,11 @@ unknown, too, q₁ = (as above) - Φ_q(q₀)ᵀη, and both constraints hold at 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
+from ....defaults import RTOL_OF_ORDER_2
 from ....model.checks.arguments import Number, real
 from ....results import Assembly
 from ....system import System
@@ -32,6 +33,7 @@ from ..methods.description import (
     combined,
 )
 from ..stepping.stepper import Settings
+from ..stepping.tolerance import Given
 from .described import DescribedStepper, StepMethod
 
 DAMPS = 0.02  # γ - ½, which is (1 - ρ) / (1 + ρ) where steps leave ρ of what is fastest
@@ -54,6 +56,7 @@ class AlphaMethod(StepMethod):
     stabilized: bool
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.scheme()
         if not isinstance(self.stabilized, bool):
             raise TypeError(
@@ -90,12 +93,13 @@ class HHT(AlphaMethod):
 
     With `stabilized` the velocity constraints are solved with the others, by a second set of multipliers (Gear, Gupta
     and Leimkuhler 1985): Φ = 0 and Φ_q v + Φ_t = 0 hold at every step without projection, at a higher cost of each
-    step.
+    step. For `rtol`, 1e-6 by default, `atol`, `max_step` and `first_step` see `StepControl`.
     """
 
     alpha: float = -0.1
     step: float | None = None
     stabilized: bool = False
+    rtol: Given = field(default=RTOL_OF_ORDER_2, kw_only=True)
 
     def scheme(self) -> Scheme:
         if not -1 / 3 <= real("alpha", self.alpha) <= 0:
@@ -109,12 +113,13 @@ class HHT(AlphaMethod):
 class GeneralizedAlpha(AlphaMethod):
     """Generalized-α method of order 2 (Chung, Hulbert); ``rho_inf`` from 1, no numerical damping, to 0, the most.
 
-    `step` and `stabilized` as for `HHT`.
+    `step`, `stabilized` and the control of steps as for `HHT`.
     """
 
     rho_inf: float = 0.8
     step: float | None = None
     stabilized: bool = False
+    rtol: Given = field(default=RTOL_OF_ORDER_2, kw_only=True)
 
     def scheme(self) -> Scheme:
         if not 0 <= real("rho_inf", self.rho_inf) <= 1:

@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from ...._jit.linking.link import link
 from ....algebra import Array
-from ....linalg.factors import DENSE_BELOW, SingularSystem
+from ....defaults import RTOL_OF_ORDER_2
+from ....linalg.factors import SingularSystem
 from ....linalg.sparse_solver import SingularMatrix
-from ....results import Assembly, StepsTaken, Trajectory
+from ....results import Assembly, StepsTaken
 from ....system import System
 from ...equations.block_matrix import PRECISE, Assembler, Numbers, PlacedMatrix, motion_matrix
 from ...equations.length import extent, kinematic_weights
-from ...equations.motion import EquationsOfMotion
 from ...equations.projection import round_off_of
 from ..dense_output.sampler import motion_arrays, motion_entries, motion_work
+from ..events.switching_functions import no_switching
 from ..methods.collocation import RADAU
 from ..methods.description import Affine, Description, FilteredEstimate
 from ..methods.leading_error import ErrorTerm, leading_errors
 from ..step_loop import loop
+from ..step_loop.crossing import Crossing, Switching
 from ..step_loop.equations import evaluate
 from ..step_loop.newton import NEWTON_SHARE
 from ..step_loop.records import Control, Matrix, Memory, MotionSolver, Record, State
@@ -30,10 +32,18 @@ from ..step_loop.step_store import StepStore
 from ..stepping.entries import entry_of
 from ..stepping.failures import failure_of, has_laws, singular
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import RunFailure, Settings, Stepper, Tally, independence_at, remember_start
-from ..stepping.tolerance import Accelerations, Tolerances, begin_motion, first_step, saved, take_over
-from ..time_loop.outcome import nothing
-from ..time_loop.time_loop import CHUNK, Plan, TimeLoop
+from ..stepping.step_control import StepControl
+from ..stepping.stepper import (
+    CHUNK,
+    FactoredPart,
+    RunFailure,
+    Settings,
+    Stepper,
+    Tally,
+    independence_at,
+    remember_start,
+)
+from ..stepping.tolerance import FOLLOWED, Given, Tolerances, begin_motion, first_step
 from .layout import filtered_tolerance, kernels_of, layout_of
 
 PATIENCE = 12  # calls of the loop without a step, after which the position is called singular
@@ -51,48 +61,45 @@ REASONS = {  # what failed, and a possible cause where there are forces
     ),
     loop.ERROR: (
         "the error control asked for ever smaller steps",
-        ": a force is very stiff or not smooth; give a larger atol, or name the times of its jumps in breakpoints",
+        ": a force is very stiff or not smooth; give a larger atol, or name the times of its jumps among the events",
     ),
 }
 
 
-class StepMethod:
+class StepMethod(StepControl):
     """Interface of methods whose steps can be prescribed, and stored for derivatives."""
 
     def stepper(self, system: System, start: Assembly, settings: Settings) -> Stepper:
         """The method at work, see `Stepper`."""
         raise NotImplementedError
 
-    def run(
-        self,
-        system: System,
-        start: Assembly,
-        t_eval: Array,
-        *,
-        rtol: float,
-        atol: float,
-        store_steps: bool = False,
-        given: Array | None = None,
-        b: Array | None = None,
-    ) -> Trajectory:
-        """Integrate over the times `t_eval` without events, as it is differentiated.
-
-        `given` prescribes the lengths of the steps; `b` are other numbers than the system's.
-        """
-        settings = Settings(Tolerances.of(system, rtol, atol), store_steps=store_steps, given=given, b=b)
-        none = np.zeros(0)
-        try:
-            stepper = self.stepper(system, start, settings)
-        except RunFailure as error:
-            return nothing(system, error.status, error.message)
-        return TimeLoop(system, stepper, Plan(t_eval, float(t_eval[-1]), none, none)).go(start)
-
 
 @dataclass(frozen=True)
 class DescribedMethod(StepMethod):
-    """A method that is given by its description."""
+    """A method that is given by its description, with the control of its steps.
+
+    Parameters
+    ----------
+    description : Description
+    rtol, atol, max_step, first_step : see `StepControl`; `rtol` is 1e-6 by default
+
+    Raises
+    ------
+    TypeError
+        If it is no description.
+    """
 
     description: Description
+    rtol: Given = field(default=RTOL_OF_ORDER_2, kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        given: Any = self.description
+        if not isinstance(given, Description):
+            raise TypeError(
+                f"DescribedMethod needs a Description, got {given!r}. Give one, such as sr.HHT().description, "
+                "or give the method itself."
+            )
 
     def stepper(self, system: System, start: Assembly, settings: Settings) -> DescribedStepper:
         """The method at work, see `Stepper`."""
@@ -106,6 +113,10 @@ class Radau(StepMethod):
     Three stages on the stabilized index-2 (GGL) equations, see `methods.collocation`.
 
     All stages are solved together by Newton's method; one real and one complex matrix are factored for them.
+
+    Parameters
+    ----------
+    rtol, atol, max_step, first_step : see `StepControl`
     """
 
     def stepper(self, system: System, start: Assembly, settings: Settings) -> DescribedStepper:
@@ -113,7 +124,7 @@ class Radau(StepMethod):
         return DescribedStepper(system, RADAU, start, settings)
 
 
-class DescribedStepper:
+class DescribedStepper(FactoredPart):
     """A described method at work on one system: its memory, and the calls of the compiled loop.
 
     Parameters
@@ -133,6 +144,11 @@ class DescribedStepper:
         If the description is not one of a method.
     """
 
+    VARIABLES = (
+        "independence", "t", "_span", "_vain", "b", "tally", "_state.x", "_state.r", "_state.v_given", "_state.past",
+        "_state.past_a", "_control", "_crossing", *FOLLOWED, "_memory.noise", "_memory.correction", "store", "matrix",
+        "_of_motion", "_pair", "_is_factored",
+    )  # fmt: skip
     passes_kinks = True
 
     def __init__(self, system: System, scheme: Description, start: Assembly, settings: Settings) -> None:
@@ -150,14 +166,16 @@ class DescribedStepper:
         self._make_matrices()
         self._make_memory(0 if scheme.error else max(later.exponent - 2, 0))
         self._chunk = int(max(1, min(CHUNK, RECORD_SIZE // (4 * system.nq + system.m))))
-        self.store = StepStore(system, self._record(self._chunk), settings)
+        self.store = StepStore(system, self._record(self._chunk), settings, self.matrix.numbers.left_out)
         given, error = settings.tolerances, scheme.error
         self._filtered = isinstance(error, FilteredEstimate)
         self._tolerance = (
             filtered_tolerance(given, error) if isinstance(error, FilteredEstimate) else given.for_loop()
         )
         self._arrays: Matrix | None = None
-        self._vain = 0
+        self._vain, self._span = 0, 0.0
+        self.switching, self._crossing = no_switching(system.nq), Crossing.zeros()
+        self.switched: Crossing | None = None
 
     def _make_matrices(self) -> None:
         """The matrices of a step and of the equations of motion, and the compiled loop."""
@@ -202,9 +220,8 @@ class DescribedStepper:
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin at a consistent state: a and λ of the equations of motion, a first step of its own."""
         self.t, self._span, self._arrays, self._vain = t, until - t, None, 0
-        motion = self._motion()
         try:
-            a, lam = motion.acceleration(t, q, v)
+            a, lam = self.acceleration(t, q, v)
         except SingularSystem:
             raise self._explained(q, v) from None
         begin_motion(self._tolerance, self.system, t, q, until if self._filtered else None)
@@ -220,14 +237,18 @@ class DescribedStepper:
         if len(given):
             first = given[0]
         elif not first:
-            first = first_step(motion, self._tolerance, self._first_error, t, q, v, a, longest)
+            first = first_step(self, self._tolerance, self._first_error, t, q, v, a, longest)
         control.h = control.x_h = first
         self._renew_pivots()
-        self.store.begin(self.matrix.numbers.left_out, **self._node())
+        self.store.begin(**self._node())
 
     def shorten(self, longest: float) -> None:
         """See `Stepper`."""
         self._control.h = min(self._control.h, longest)
+
+    def end_at(self, switching: Switching) -> None:
+        """See `Stepper`."""
+        self.switching = switching
 
     @property
     def has_history(self) -> bool:
@@ -244,7 +265,7 @@ class DescribedStepper:
         """
         q, v = self._state.q0.copy(), self._state.v_given.copy()
         try:
-            a, lam = self._motion().acceleration(self.t, q, v)
+            a, lam = self.acceleration(self.t, q, v)
         except SingularSystem:
             raise self._explained(q, v) from None
         self._begin_at(q, v, a, lam)
@@ -284,11 +305,12 @@ class DescribedStepper:
         status, taken = self._advance(
             self._program, self._entries, self._at_nodes, self._remembered, self.b, self.system.memory_places,
             float(stop), limit, float(self.settings.max_step), state, self._memory, self._arrays, control,
-            self.store.record(), self._tolerance,
+            self.store.record(), self._tolerance, self.switching, self._crossing, self.apart,
         )  # fmt: skip
         self.t = float(control.t)
         self._count(before)
         self.tally.history.append(self.store.history(taken))
+        self.switched = self._crossing if status == loop.SWITCHED else None
         self._look(status, taken)
         return Nodes._make(
             np.concatenate(x) for x in zip(first, self.store.collect(taken, memory), strict=True)
@@ -353,7 +375,7 @@ class DescribedStepper:
         state, saved = self._state, self.independence
         if saved.renew(self.t, state.q0):
             self._keep(saved.rows)
-            state.lam0[:] = self._motion().acceleration(self.t, state.q0, state.v0)[1]
+            state.lam0[:] = self.acceleration(self.t, state.q0, state.v0)[1]
             at = self._program.lam_slope
             state.x[at : at + self.system.m] = 0.0
             self._control.continued, self._arrays = False, None
@@ -408,14 +430,6 @@ class DescribedStepper:
         self._of_motion.factor(PRECISE)
         return self._of_motion
 
-    def _motion(self) -> Accelerations:
-        """Large systems have their first accelerations from the matrix of the method, small ones by LAPACK."""
-        if self.matrix.n >= DENSE_BELOW:
-            return self
-        motion = EquationsOfMotion(self.system, self.independence.rows)
-        motion.b[:] = self.b
-        return motion
-
     def acceleration(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
         """a (nq,) and lam (m,) of the equations of motion at a state.
 
@@ -444,44 +458,14 @@ class DescribedStepper:
         self._arrays = Matrix._make([numbers.values, numbers.left_out, placed, pair])
         self._at_nodes = MotionSolver(self._motion_kernels, motion_arrays(self._of_motion), self._work)
 
-    def _matrices(self) -> dict[str, PlacedMatrix]:
-        """All matrices by the names under which they are saved."""
-        found = {"matrix_": self.matrix, "motion_": self._of_motion}
-        return found | ({"pair_": self._pair} if self._pair else {})
-
-    def state(self) -> dict[str, Array]:
-        """All that is needed to go on, see `Stepper`."""
-        found = {f"state_{name}": x for name, x in self._state._asdict().items()}
-        found |= {"control": self._control.as_array(), "b": self.b, "null": self.independence.state()}
-        found |= {"own": np.array([self.t, self._span, self._vain]), "tally": self.tally.counts()}
-        found |= saved(self._tolerance) | self.store.state() | {"noise": self._memory.noise}
-        found |= {"correction": self._memory.correction, "ready": np.array([self._arrays is not None])}
-        for start, matrix in self._matrices().items():
-            found |= {f"{start}{name}": x for name, x in matrix.state().items()}
-        return found
-
     def resume(self, state: Mapping[str, Array]) -> None:
-        """Go on from such a state."""
-        self.independence.resume(state["null"])
-        for name, array in self._state._asdict().items():
-            array[:] = state[f"state_{name}"]
-        self._control.assign(state["control"])
-        self.b[:], self.tally, self._arrays = state["b"], Tally.of(state["tally"]), None
-        self.t, self._span, self._vain = float(state["own"][0]), float(state["own"][1]), int(state["own"][2])
-        take_over(self._tolerance, state)
-        self._memory.noise[:], self._memory.correction[:] = state["noise"], state["correction"]
+        """See `RunPart`."""
+        super().resume(state)
         self._keep(self.independence.rows)
-        self.store.resume(state, self.matrix.numbers.left_out)
-        for start, matrix in self._matrices().items():
-            own = {name.removeprefix(start): x for name, x in state.items() if name.startswith(start)}
-            if own:
-                matrix.resume(**own)
-        if state["ready"][0]:
-            self._show_matrix()
 
     def forget(self) -> None:
         """Forget what was stored for derivatives, except the present state."""
-        self.store.forget(**self._node())
+        self.store.begin(**self._node())
 
     def steps(self) -> StepsTaken | None:
         """The steps stored for derivatives, or None."""

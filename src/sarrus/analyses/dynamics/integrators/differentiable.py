@@ -1,4 +1,4 @@
-"""Methods whose steps can be stored, for derivatives, and taken sample by sample."""
+"""Methods of simulations: those whose steps can be stored for derivatives and taken sample by sample, and others."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ from ...integration_methods import method_of
 from ..methods.description import Description
 from .alpha import HHT, GeneralizedAlpha
 from .described import DescribedMethod, Radau, StepMethod
+from .ida import IDA
+from .ode import ODE
 
-Differentiable: TypeAlias = str | HHT | GeneralizedAlpha | Radau | Description
+Differentiable: TypeAlias = str | HHT | GeneralizedAlpha | Radau | Description | DescribedMethod
+Method: TypeAlias = Differentiable | ODE | IDA
 
 
 def differentiable(given: Differentiable | None, others: str = "", remedy: str = "") -> StepMethod:
@@ -29,3 +32,11 @@ def differentiable(given: Differentiable | None, others: str = "", remedy: str =
             f"{remedy or 'Leave it out for Radau().'}"
         )
     return Radau() if given is None else given
+
+
+def method_with_options(given: Method | None) -> StepMethod | ODE | IDA:
+    """The method of an option of `simulate`, by default Radau."""
+    given = method_of(given)
+    if isinstance(given, ODE | IDA):
+        return given
+    return differentiable(given, ", ODE(), IDA()", 'For a solver of SciPy give ODE("DOP853").')

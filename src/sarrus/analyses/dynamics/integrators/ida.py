@@ -22,9 +22,11 @@ from ...equations.block_matrix import LEFT_OUT, UNIT, Numbers, Part, PlacedMatri
 from ...equations.motion import EquationsOfMotion
 from ...equations.projection import Projection
 from ...redundancy.redundant_constraints import Independence
+from ..step_loop.crossing import Switching
 from ..stepping.failures import redundant_rows, singular
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import RunFailure, Settings, Tally, independence_at, remember_start
+from ..stepping.step_control import StepControl
+from ..stepping.stepper import RunFailure, RunPart, Settings, Tally, independence_at, remember_start
 from ..stepping.tolerance import FIRST, begin_motion, first_step
 from .ode import PARTS
 
@@ -34,8 +36,11 @@ LIMIT = 1_000_000  # steps between two outputs
 
 
 @dataclass(frozen=True)
-class IDA:
-    """IDA, the BDF solver of SUNDIALS, with exact Jacobians; needs the extra `ida` (scikit-sundae)."""
+class IDA(StepControl):
+    """IDA, the BDF solver of SUNDIALS, with exact Jacobians; needs the extra `ida` (scikit-sundae).
+
+    Its options are those of `StepControl`.
+    """
 
     def stepper(self, system: System, start: Assembly, settings: Settings) -> IDAStepper:
         """The method at work, see `Stepper`.
@@ -52,11 +57,12 @@ class IDA:
         return IDAStepper(system, start, settings)
 
 
-class IDAStepper:
+class IDAStepper(RunPart):
     """IDA at work on one system, see `Stepper`."""
 
-    apart = passes_kinks = False
-    host = None  # it keeps no matrix of the equations of motion for others
+    VARIABLES = ("tally",)  # IDA does not give access to its history
+    apart = passes_kinks = has_history = False
+    host = switched = None  # it keeps no matrix of the equations of motion for others
 
     def __init__(self, system: System, start: Assembly, settings: Settings) -> None:
         self.system, self.settings, self.t, self.tally = system, settings, start.t, Tally()
@@ -65,6 +71,9 @@ class IDAStepper:
         self.b = self._equations.motion.b
         self._projection = Projection(system, self.b, self.independence.rows)
         self._solver: Any = None
+
+    def end_at(self, switching: Switching) -> None:
+        """Its steps end at no switches, see `Plan.free`."""
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin at a consistent state."""
@@ -114,10 +123,6 @@ class IDAStepper:
     def _node(self, t: float, q: Array, v: Array) -> tuple[Any, ...]:
         a, lam = self._equations.motion.acceleration(float(t), q, v)
         return float(t), q.copy(), v.copy(), a, lam, self.b[self.system.memory_places]
-
-    def state(self) -> dict[str, Array]:
-        """The record of the step; IDA does not give access to its history."""
-        return {"tally": self.tally.counts()}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """There is no such state.

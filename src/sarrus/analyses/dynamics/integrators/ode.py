@@ -18,11 +18,14 @@ from ....results import Assembly
 from ....system import System
 from ...equations.motion import EquationsOfMotion
 from ...equations.projection import Projection
+from ..events.switching_functions import no_switching
+from ..step_loop.crossing import LANDED, NONE, Crossing, Step, Switching, first_after, shorter
 from ..stepping.failures import failure_of, singular
 from ..stepping.motion_scale import follow_motion
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import RunFailure, Settings, Tally, independence_at, remember_start
-from ..stepping.tolerance import FIRST, begin_motion, first_step
+from ..stepping.step_control import StepControl
+from ..stepping.stepper import RunFailure, RunPart, Settings, Tally, below, independence_at, remember_start
+from ..stepping.tolerance import FIRST, FOLLOWED, begin_motion, first_step
 
 TINY = 1e-10  # of the whole time: steps so short are given up on; a light part may turn within 1e-6 of it
 PATIENCE = 20  # after so many of them in a row
@@ -31,12 +34,13 @@ SOLVERS = ("DOP853", "RK45", "RK23")
 
 
 @dataclass(frozen=True)
-class ODE:
-    """Explicit Runge-Kutta method of SciPy: "DOP853" (order 8), "RK45" or "RK23"."""
+class ODE(StepControl):
+    """Explicit Runge-Kutta method of SciPy: "DOP853" (order 8), "RK45" or "RK23"; further options: `StepControl`."""
 
     name: str = "DOP853"
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.name not in SOLVERS:
             raise ValueError(f"there is no ODE solver {self.name!r}. Choose from {', '.join(SOLVERS)}")
 
@@ -49,10 +53,14 @@ class ODE:
         return ODEStepper(system, self.name, start, settings)
 
 
-class ODEStepper:
+class ODEStepper(RunPart):
     """An explicit solver at work on one system, see `Stepper`."""
 
-    apart = passes_kinks = False
+    VARIABLES = (
+        "independence", "t", "_span", "_tiny", "b", "tally", "_crossing", *FOLLOWED, "_solver.h_abs", "_solver.y",
+        "_solver.f",
+    )  # fmt: skip
+    apart = passes_kinks = has_history = False
     host = None  # it keeps no matrix of the equations of motion for others
 
     def __init__(self, system: System, name: str, start: Assembly, settings: Settings) -> None:
@@ -64,6 +72,19 @@ class ODEStepper:
         remember_start(system, start, self.b)
         self._projection = Projection(system, self.b, self.independence.rows)
         self._tolerance = settings.tolerances.for_loop()
+        self._switching = no_switching(system.nq)
+        self._crossing: Any = Crossing.zeros()
+
+    def end_at(self, switching: Switching) -> None:
+        """See `Stepper`."""
+        self._switching = switching
+
+    @property
+    def switched(self) -> Crossing | None:
+        """See `Stepper`."""
+        crossing = self._crossing
+        landed = crossing.stage == LANDED and self._switching.returns[crossing.number]
+        return crossing if landed else None
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin anew; SciPy's solver chooses its first step."""
@@ -109,7 +130,7 @@ class ODEStepper:
             self._solver.t_bound, self._solver.status = float(stop), "running"
             for _ in range(min(limit, PATIENCE) if self.independence.rows is None else 1):
                 rows += self._step()
-                if self.t == stop:
+                if self.t == stop or self.switched:
                     break
         except SingularSystem:
             if len(rows) == 1:
@@ -128,13 +149,17 @@ class ODEStepper:
     def _step(self) -> list[tuple[Any, ...]]:
         """Take one step, and store its nodes: some of the solver's interpolant, then the projected end."""
         solver, before = self._solver, self.t
+        self._crossing.stage = NONE
+        self._switching.ignored[:] = 0.0
         if self._settings.tolerances.follow:
             q, v = np.split(solver.y, 2)
             link(follow_motion)(self._tolerance, solver.h_abs, q, v, v, False)
             solver.rtol, solver.atol = 0.0, np.concatenate([self._tolerance.atol_q, self._tolerance.atol_v])
-        message = solver.step()
-        if message:
-            raise RunFailure("step too small", f"{message} at t = {solver.t:.6g} s: {WHY}")
+        y, f = solver.y, solver.f
+        while length := self._take(before, y):
+            solver.t, solver.y, solver.f, solver.h_abs, solver.status = before, y, f, length, "running"
+        if self._crossing.stage == LANDED:
+            solver.h_abs = min(solver.h_abs, first_after(self._crossing))
         self._tiny = self._tiny + 1 if solver.step_size < TINY * self._span else 0
         if self._tiny >= PATIENCE:
             raise RunFailure("step too small", f"steps become ever shorter near t = {solver.t:.6g} s: {WHY}")
@@ -150,6 +175,26 @@ class ODEStepper:
         self.tally.history.append(np.array([[solver.t, h, np.nan, 0, 0]]))
         return [*nodes, self._node(self.t, q, v)]
 
+    def _take(self, before: float, y: Array) -> float:
+        """Let the solver take a step; the length of one in its place towards a switch, or 0.
+
+        Raises
+        ------
+        RunFailure
+            If there is none.
+        """
+        solver = self._solver
+        message = solver.step()
+        if message:
+            raise RunFailure("step too small", f"{message} at t = {solver.t:.6g} s: {WHY}")
+        if not len(self._switching.columns):
+            return 0.0
+        rates = self._rate(before, y), self._rate(solver.t, solver.y)
+        first, last = (np.split(np.concatenate(x), 4) for x in zip((y, solver.y), rates, strict=True))
+        (q0, v0, _, a0), (q1, v1, _, a1) = first, last
+        step = Step(self.b, before, float(solver.t - before), q0, v0, a0, q1, v1, a1, False)
+        return float(link(shorter)(self._switching, step, self._crossing))
+
     def _inner(self, before: float, h: float) -> list[float]:
         """Times within a step at which there are nodes: those wanted, and some between."""
         settings = self._settings
@@ -164,8 +209,12 @@ class ODEStepper:
 
     def _renew(self, t: float, q: Array) -> None:
         if self.independence.renew(t, q):
-            self.motion.keep(self.independence.rows)
-            self._projection.keep(self.independence.rows)
+            self._keep()
+
+    def _keep(self) -> None:
+        """Solve only the independent equations."""
+        self.motion.keep(self.independence.rows)
+        self._projection.keep(self.independence.rows)
 
     def _explained(self, q: Array, v: Array, otherwise: RunFailure | None = None) -> RunFailure:
         """Why there are no further steps."""
@@ -183,24 +232,14 @@ class ODEStepper:
         q, v = np.split(self._solver.y, 2)
         return self._explained(q, v, otherwise)
 
-    def state(self) -> dict[str, Array]:
-        """All that is needed to go on, see `Stepper`."""
-        solver = self._solver
-        numbers = np.array([self.t, self._span, self._tiny, solver.h_abs])
-        found = {"b": self.b, "own": numbers, "y": solver.y, "f": solver.f, "tally": self.tally.counts()}
-        return found | {"null": self.independence.state()}
-
     def resume(self, state: Mapping[str, Array]) -> None:
-        """Go on from such a state."""
-        self.independence.resume(state["null"])
-        self.motion.keep(self.independence.rows)
-        self._projection.keep(self.independence.rows)
-        self.b[:], own, y = state["b"], state["own"], state["y"]
-        q, v = np.split(y, 2)
-        self.restart(float(own[0]), q, v, float(own[0] + own[1]))
-        self._span, self._tiny, self._solver.h_abs = float(own[1]), int(own[2]), float(own[3])
-        self._solver.y, self._solver.f = y.copy(), state["f"].copy()
-        self.tally = Tally.of(state["tally"])
+        """See `RunPart`; a solver of SciPy that begins there takes over the variables of the one before."""
+        self.independence.resume(below("independence", state))
+        self._keep()
+        self.b[:], t = state["b"], float(state["t"])
+        q, v = np.split(state["_solver.y"], 2)
+        self.restart(t, q, v, t + float(state["_span"]))
+        super().resume(state)
         self.motion.evaluations = self.tally.nfev
 
     def steps(self) -> None:

@@ -149,8 +149,8 @@ class Sample:
         """The record of it, for derivatives."""
         t, title = float(self.state.t), " and ".join(one.controller.title for one in self.due)
         return EventStep(
-            name=f"sample of {title}", t=t, function=f"t - ({t!r})", along=None, restitution=None,
-            reset=self, q=np.array(self.state.q), v=np.array(self.state.v), after=self.after(), named=False,
+            name=f"sample of {title}", t=t, function=f"t - ({t!r})", reset=self, named=False,
+            q=np.array(self.state.q), v=np.array(self.state.v), after=self.after(),
         )  # fmt: skip
 
     def record(self, outputs: Outputs) -> list[Any]:
@@ -264,7 +264,7 @@ def _state(system: System, begin: Assembly) -> State:
     if len(begin.memory):
         b[system.memory_places] = begin.memory
     system.remember(begin.q, b, begin.t)
-    revolutions = begin.revolutions if len(begin.revolutions) else np.zeros(system.joint_coordinates.m)
+    revolutions = begin.revolutions if len(begin.revolutions) else np.zeros(system.counted_coordinates.m)
     zero = np.zeros(system.nq), np.zeros(system.m)
     return State(begin.t, begin.q, begin.v, *zero, b[system.memory_places], revolutions)
 

@@ -8,6 +8,7 @@ from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ..methods.program import Program
+from ..step_loop.crossing import Crossing, Switching
 from ..step_loop.error import accelerations
 from ..step_loop.loop import REPIVOT, RUNNING, advance
 from ..step_loop.records import Control, Entries, Matrix, Memory, MotionSolver, Record, State
@@ -65,6 +66,9 @@ class Sampling(NamedTuple):
     control: Control
     record: Record
     tol: Tolerance
+    switching: Switching
+    crossing: Crossing
+    apart: bool
     inputs: Inputs
     outputs: Outputs
 
@@ -87,7 +91,7 @@ def take_sample(run: Sampling, until: float) -> tuple[int, int]:
     while status == RUNNING and control.t < until:
         status, one = advance(
             run.program, run.entries, run.motion, run.remembered, run.b, run.places, until, 1, run.h_max, state,
-            run.memory, run.matrix, control, run.record, run.tol,
+            run.memory, run.matrix, control, run.record, run.tol, run.switching, run.crossing, run.apart,
         )  # fmt: skip
         taken += one
         if len(outputs.places) > 0:

@@ -9,7 +9,6 @@ import numpy as np
 
 from ...._jit.kernels.bound import Bound
 from ....algebra import Array
-from ....defaults import ATOL
 from ....linalg.threads import one_thread_if_small
 from ....model import SarrusError
 from ....model.checks.arguments import Number
@@ -18,16 +17,19 @@ from ....model.states.input import refuse_repeated_inputs, refuse_unknown_input
 from ....system import System
 from ...arguments import refuse_other_system
 from ...position.initial_state import Start, start_of
+from ..former_options import accepts_former_options
 from ..inputs.laws_of_time import points_of_tables
+from ..integrators.described import Radau
 from ..integrators.differentiable import Differentiable, differentiable
 from ..step_loop import loop
-from ..stepping.stepper import RunFailure, Settings
-from ..stepping.tolerance import Absolute, Given, Tolerances
+from ..stepping.stepper import RunFailure, Settings, state_of, take_over
+from ..stepping.tolerance import Tolerances
 from .named_outputs import NamedOutputs
 from .sample_loop import Inputs, Sampling, take_sample
 
 HORIZON = 1000  # samples, over which the first step and the number of periods are estimated
-RTOL = 1e-6
+VARIABLES = "_method", "_inputs", "_named.loop.b", "_named.loop.out", "_count", "steps"
+OF_SAMPLES = Radau(rtol=1e-6)  # [-] errors of a sample are small against those of its inputs
 
 
 class Stepper:
@@ -45,8 +47,7 @@ class Stepper:
         value. Others follow their values in the model
     outputs : names of outputs of positions, velocities, states, forces and inputs, in the order of the results; by
         default all angles and displacements of joints
-    rtol, atol, max_step : as for `simulate`; `rtol` is 1e-6 by default
-    method : `Radau` (the default), `HHT`, `GeneralizedAlpha`, or the `Description` of another method
+    method : ``Radau(rtol=1e-6)`` (the default), `HHT`, `GeneralizedAlpha`, or the `Description` of another method
 
     Attributes
     ----------
@@ -67,6 +68,7 @@ class Stepper:
     take samples that are short against them.
     """
 
+    @accepts_former_options
     @one_thread_if_small
     def __init__(
         self,
@@ -76,14 +78,10 @@ class Stepper:
         step: float,
         inputs: Sequence[str] | None = None,
         outputs: Sequence[str] | None = None,
-        rtol: Given = RTOL,
-        atol: Absolute = ATOL,
-        max_step: float = np.inf,
-        method: Differentiable | None = None,
+        method: Differentiable | None = OF_SAMPLES,
     ) -> None:
         refuse_other_system(system, "Stepper", unset=True)
         Number(positive=True)("step", step)
-        Number(positive=True, infinite=True)("max_step", max_step)
         unset = [name for name, one in system.inputs.items() if not one.is_set]
         self.inputs = tuple(unset if inputs is None else inputs)
         refuse_inputs(system, self.inputs, unset)
@@ -93,8 +91,9 @@ class Stepper:
         self._start = start_of(self.system, start, "Stepper")
         if not self._start.success:
             raise SarrusError(f"{system.name}: {self._start.message}")
-        self._settings = Settings(Tolerances.of(self.system, rtol, atol), max_step=max_step)
-        self._chosen = differentiable(method)
+        self._chosen = chosen = OF_SAMPLES if method is None else differentiable(method)
+        tolerances = Tolerances.of(self.system, chosen.rtol, chosen.atol)
+        self._settings = Settings(tolerances, chosen.max_step, chosen.first_step or 0.0)
         self._first, self._count, self.steps = self._start.t, 0, 0
         self._begin()
 
@@ -107,7 +106,7 @@ class Stepper:
         self._named = NamedOutputs(system, self.outputs)
         self._named.begin(start.q, start.revolutions)
         until = start.t + HORIZON * self.step
-        _reported(lambda: self._method.restart(start.t, start.q, start.v, until))
+        _reported(lambda: self._method.restart(start.t, start.q.copy(), start.v.copy(), until))
         own, seen = (
             [(place, k) for k, name in enumerate(self.inputs) for place in where(name)]
             for where in (
@@ -130,7 +129,7 @@ class Stepper:
         record = Sampling(
             own._program, own._entries, own._at_nodes, own._remembered, own.b, self.system.memory_places,
             float(own.settings.max_step), own._state, own._memory, own._arrays, own._control, own.store.record(),
-            own._tolerance, self._inputs, self._named.loop,
+            own._tolerance, own.switching, own._crossing, own.apart, self._inputs, self._named.loop,
         )  # fmt: skip
         self._call = Bound(take_sample, record)
 
@@ -239,18 +238,11 @@ class Stepper:
     def state(self) -> dict[str, Array]:
         """All on which the next samples depend, to the last bit, for `restore`."""
         self._method.t = self.t
-        found = self._method.state() | {f"inputs_{n}": x for n, x in self._inputs._asdict().items()}
-        found |= {"output_b": self._named.loop.b, "output_values": self._named.loop.out}
-        found |= {"samples": np.array([self._count, self.steps])}
-        return {name: np.array(array) for name, array in found.items()}
+        return state_of(self, VARIABLES)
 
     def restore(self, state: Mapping[str, Array]) -> None:
         """Go back to a state of this stepper, or of a copy."""
-        self._method.resume({name: array.copy() for name, array in state.items()})
-        for name in ("given", "present", "stale"):
-            getattr(self._inputs, name)[:] = state[f"inputs_{name}"]
-        self._named.loop.b[:], self._named.loop.out[:] = state["output_b"], state["output_values"]
-        self._count, self.steps = (int(x) for x in state["samples"])
+        take_over(self, VARIABLES, state)
         self._pack()
 
     def copy(self) -> Stepper:

@@ -11,15 +11,28 @@ from ..dense_output.sample_loop import velocity_defect
 from ..methods.program import BASE, CONTINUED, GUESS, STAGES, Program
 from ..stepping.motion_scale import Tolerance, follow_motion
 from .coefficients import apply, coefficients
+from .crossing import (
+    LANDED,
+    NONE,
+    SEARCHING,
+    Crossing,
+    Step,
+    Switching,
+    farther_back,
+    first_after,
+    shorter,
+    without,
+)
 from .equations import TRUSTED
 from .error import factor_to, finish, local_error, next_length, smooth
 from .newton import newton, polish
 from .records import Control, Entries, Matrix, Memory, MotionSolver, Record, State
 
-RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
+RUNNING, FINISHED, REPIVOT, TOO_SMALL, SWITCHED = 0, 1, 2, 3, 4
 NEWTON, ERROR = 1, 2  # why a step was last rejected
 SHRINK = 0.2  # of a rejected step, at least
 SHORTEST = 1e-14  # of the time, or of the time that is left: no step is shorter
+IN_A_ROW = 1000  # rejected steps at most: the least factors lead to the shortest step with fewer
 ROUND_OFF = 2.0**-50  # of times, relative to the largest
 # Iterations, after which the choice among redundant equations is looked at again; not where stages are split: their
 # matrix is that of one stage, and long steps need many
@@ -157,7 +170,6 @@ def keep(
         record.correction[row, k] = factor * memory.correction[k]
     for k in range(record.impulse.shape[1]):
         record.impulse[row, k] = factor * memory.correction[n + k]
-    control.projected, control.continued = False, True
 
 
 @compiled
@@ -173,7 +185,7 @@ def remember(entry: KernelTable, b: Array, places: Array, t: float, q: Array, me
 def advance(
     program: Program, entries: Entries, motion: MotionSolver, remembered: KernelTable, b: Array, places: Array,
     until: float, limit: int, h_max: float, state: State, memory: Memory, matrix: Matrix, control: Control,
-    record: Record, tol: Tolerance,
+    record: Record, tol: Tolerance, switching: Switching, crossing: Crossing, apart: bool,
 ) -> tuple[int, int]:  # fmt: skip
     """Take steps until a time, at most `limit` of them.
 
@@ -185,15 +197,18 @@ def advance(
     a status, and how many steps were taken; the elements' numbers `b` remember the last of them, in `places`
     """
     taken, free, leave, redundant = 0, len(record.given) == 0, False, bool(matrix.left_out.any())
+    toward, crossing.stage, crossing.nearer = 0.0, NONE, 0  # length of a step towards a switch
     while control.t < until and taken < limit and not leave and (free or taken < len(record.given)):
         t0 = control.t
         h = min(control.h, h_max) if free else record.given[taken]
         ended = t0 + 1.0001 * h >= until and free
-        if ended:
+        if toward > 0.0:
+            h, ended = min(toward, until - t0), toward >= until - t0
+        elif ended:
             h = last_length(t0, until, control.last_h)
         elif t0 + 1.9 * h > until and free:  # two equal steps to the end
             h = 0.5 * (until - t0)
-        if control.h <= SHORTEST * max(abs(t0), until - t0) and free:
+        if free and (control.h <= SHORTEST * max(abs(t0), until - t0) or control.rejected_since > IN_A_ROW):
             return TOO_SMALL, taken
         follow_motion(tol, h, state.q0, state.v0, state.a0, control.last_h == 0.0)
         prepare(program, motion, b, t0, h, state, memory, matrix, control)
@@ -207,10 +222,12 @@ def advance(
             control.failure = NEWTON
             if control.old_factors:  # with an old matrix: once more with a new one
                 control.factored_h, control.old_factors = 0.0, False
-            elif free:
-                control.h, control.factored_h, leave = program.lengths.unsolved * h, 0.0, True
+                continue
+            toward, control.factored_h = farther_back(crossing, h), 0.0
+            if toward == 0.0 and free:
+                control.h, leave = program.lengths.unsolved * h, True
                 control.hold = control.wait = min(max(2 * control.hold, 2), program.lengths.hold)
-            else:
+            elif toward == 0.0:
                 return TOO_SMALL, taken
             continue
         again = control.rejected_since > 0 or control.last_h == 0.0
@@ -225,19 +242,34 @@ def advance(
             control.rejected += 1
             control.rejected_since += 1
             control.failure = ERROR
-            control.h = h * max(SHRINK, wanted)
+            if crossing.stage == SEARCHING and h > crossing.h:
+                toward = without(switching, crossing)  # a shorter step would see that switch again
+            else:
+                toward, crossing.stage = 0.0, NONE
+                control.h = h * max(SHRINK, wanted)
             continue
         if not free and not polish(program, entries, b, t0 + h, h, state, memory, matrix, control, tol):
             return REPIVOT, taken
         if not finish(program, motion, b, t0 + h, state, not free):
             return REPIVOT, taken
-        control.t = until if ended or taken + 1 == len(record.given) else t0 + h
-        keep(program, record, taken, control.t, h, state, memory, control)
+        end = until if ended or taken + 1 == len(record.given) else t0 + h
+        keep(program, record, taken, end, h, state, memory, control)
         if len(program.filtered) > 0 and not program.own_accelerations:
             smooth(program, h, state, tol, record.node_a[taken])
+        if len(switching.columns):
+            ends = state.q0, state.v_given, state.a0, state.q1, state.v1, state.a1
+            toward = shorter(switching, Step(b, t0, h, *ends, apart), crossing)
+            if toward > 0.0:
+                control.rejected += 1
+                control.rejected_since += 1
+                continue
+        control.t, control.projected, control.continued = end, False, True
         record.error[taken], record.iterations[taken] = error, iterations
         accept(program, h, state)
-        control.h = not_too_soon(h, next_length(program, h, wanted, error, control), control)
+        if crossing.stage == LANDED:
+            control.h, control.continued = min(control.h, first_after(crossing)), False
+        else:
+            control.h = not_too_soon(h, next_length(program, h, wanted, error, control), control)
         control.last_h, control.last_error, control.defect = h, error, 1.0
         remember(remembered, b, places, control.t, state.q0, record.memory[taken])
         control.old_factors = True
@@ -247,4 +279,11 @@ def advance(
         if rate > tol.slow:
             control.factored_h, control.old_factors = 0.0, False
         leave = redundant and iterations > MANY and len(program.T) == 0
+        switching.ignored[:] = 0.0
+        crossing.since += 1
+        if crossing.stage == LANDED:
+            crossing.since = 0
+            if switching.returns[crossing.number]:
+                return SWITCHED, taken
+            crossing.stage = NONE
     return (FINISHED if control.t >= until else RUNNING), taken

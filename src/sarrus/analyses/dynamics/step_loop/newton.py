@@ -22,7 +22,7 @@ EPSILON = 2.0**-52
 
 @compiled
 def ignored_round_off(h: float, state: State, tol: Tolerance) -> float:
-    """1 where the round-off of Φ, divided by h, is more than Newton's method may leave in v, see `beginning.finest`."""
+    """1 where the round-off of Φ, divided by h, is more than Newton's method may leave in v, see `described.finest`."""
     length = tol.size[LENGTH] if tol.size[LENGTH] > 0.0 else 1.0
     largest, total, moving = 0.0, 0.0, len(state.q0) - len(tol.states)
     for k in range(moving):

@@ -15,6 +15,7 @@ from ..stepping.stepper import HISTORY, Settings
 from .records import Record
 
 MEMORY, LEFT_OUT = "memory", "left_out"
+FIRST = ("t", "q", "v", "a", "lam", LEFT_OUT)  # what is stored of the state before the first step, too
 NODE = ("t", "q", "v", "node_a", "lam", "memory")
 
 
@@ -26,9 +27,10 @@ class StepStore:
     system : System
     record : of the loop, with buffers for the steps of one call; `given` is put in place here
     settings : whether steps are stored, and lengths of the steps where they are prescribed
+    left_out : 1 for equations that are left out; looked at after each call
     """
 
-    def __init__(self, system: System, record: Record, settings: Settings) -> None:
+    def __init__(self, system: System, record: Record, settings: Settings, left_out: Array) -> None:
         self._given = (
             np.zeros(0) if settings.given is None else np.ascontiguousarray(settings.given, dtype=float)
         )
@@ -36,22 +38,16 @@ class StepStore:
         own = {field.name for field in fields(StepsTaken)} - {MEMORY}
         self._names = [name for name in record._fields if name in own]
         self.wanted = settings.store_steps
-        self._now, self._taken = record, 0
+        self._now, self._taken, self._out = record, 0, left_out
         self.count, self._rows = 0, dict[str, Array]()
 
-    def begin(self, left_out: Array, **first: Any) -> None:
-        """The state before the first step; what was stored before is forgotten. `left_out` is looked at later."""
-        self._out, self._taken, self._first = left_out, 0, tuple(first)
-        self._rows = {}
+    def begin(self, **first: Any) -> None:
+        """The state before the first step, with the values of `FIRST`; what was stored before is forgotten."""
+        self._taken, self._rows = 0, {}
         if self.wanted:
             self._reserve(0)
-            for name, value in first.items():
+            for name, value in (first | {LEFT_OUT: self._out > 0}).items():
                 self._rows[name][0] = value
-            self._rows[LEFT_OUT][0] = left_out > 0
-
-    def forget(self, **first: Any) -> None:
-        """Forget the past; the next step is the first one."""
-        self.begin(self._out, **first)
 
     def _reserve(self, count: int) -> None:
         """Buffers for one call behind so many steps; they are doubled, so that each step is copied about once."""
@@ -68,7 +64,7 @@ class StepStore:
 
     def _stored(self, name: str) -> Array:
         """The rows of all steps, with that of the first state where there is one."""
-        return self._rows[name][: self._taken + (name in self._first or name == LEFT_OUT)]
+        return self._rows[name][: self._taken + (name in FIRST)]
 
     def given(self) -> Array:
         """The lengths that are still to be taken."""
@@ -80,7 +76,7 @@ class StepStore:
         if self.wanted:
             self._reserve(self._taken)
             for name in self._names:
-                at = self._taken + (name in self._first)
+                at = self._taken + (name in FIRST)
                 found[name] = self._rows[name][at : at + len(self._record.t)]
         self._now = self._record._replace(**found)
         return self._now
@@ -106,26 +102,16 @@ class StepStore:
 
     def state(self) -> dict[str, Array]:
         """All stored steps, for `resume`; nothing where steps are not stored."""
-        if not self.wanted:
-            return {}
-        found = {f"first_{name}": self._rows[name][0] for name in self._first}
-        found |= {name: self._rows[name][name in self._first :][: self._taken] for name in self._names}
-        found |= {LEFT_OUT: self._stored(LEFT_OUT), MEMORY: self._stored(MEMORY)}
-        return {f"kept_{name}": np.array(array) for name, array in found.items()}
+        return {name: self._stored(name).copy() for name in self._rows}
 
-    def resume(self, state: Mapping[str, Array], left_out: Array) -> None:
-        """Go on from such a state; `left_out` as for `begin`."""
-        self._out = left_out
-        if not self.wanted:
-            return
-        names = [name[11:] for name in state if name.startswith("kept_first_")]
-        self.begin(left_out, **{name: state[f"kept_first_{name}"] for name in names})
-        self._taken = self.count = len(state[f"kept_{MEMORY}"])
-        self._reserve(self._taken)
-        for name in self._names:
-            self._stored(name)[name in self._first :] = state[f"kept_{name}"]
-        for name in (LEFT_OUT, MEMORY):
-            self._stored(name)[:] = state[f"kept_{name}"]
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state."""
+        if self.wanted:
+            self._rows, self._taken = {}, len(state[MEMORY])
+            self.count = self._taken
+            self._reserve(self._taken)
+            for name in self._rows:
+                self._stored(name)[:] = state[name]
 
     def steps(self, **message: Any) -> StepsTaken | None:
         """All steps, with the state of the start before them; None if none are stored, or before it begins."""

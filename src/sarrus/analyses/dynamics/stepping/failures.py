@@ -15,14 +15,13 @@ from ....system import System
 from ....system.structure.population import GROUND, local
 from ...equations.nullspace import missing_inertia
 from ...equations.states_at_rest import places
-from ...redundancy.redundant_constraints import Independence
+from ...redundancy.redundant_constraints import Independence, named_rows
 from .stepper import RunFailure
 
 NEARLY = 0.05  # of the smallest singular value of Φ_q at the start: below it the rows are called dependent
 CLOSE = 0.3  # the same where a step failed for another reason, which is reported first
 LOST = 1e-8  # the same: dependent to round-off
 WEAK = 0.1  # over n² for n bodies: smallest singular value of Φ_q, rows at unit length, that is nearly zero (chains: 2)
-SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
 STEEP = 1e20  # [N/m] of a law beyond all bounds, or a force without direction: roots are protected by 1e-30 m
 TINY = 1e-300
 AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried
@@ -81,13 +80,15 @@ def redundant_rows(
     """
     if not np.all(np.isfinite(q)):
         return []
-    null = rank_of(first.scaled_Phi_q(q, t), nearly * min(first.smallest, 1.0)).null
+    J, limit = first.scaled_Phi_q(q, t), nearly * min(first.smallest, 1.0)
+    null = rank_of(J, limit).null
     if null.shape[1] <= first.known:
         return []
     size = abs(null).max(axis=1)
-    names = system.row_names
-    found = [names[k] for k in np.argsort(-size) if size[k] > SHARE * size.max()]
-    return [name for name in found if not name.endswith("normalization")][:6] or found[:6]
+    if first.rows is not None and (others := rank_of(J[first.rows], limit).null).size:
+        size[:] = 0.0  # without the equations that are redundant everywhere
+        size[first.rows] = abs(others).max(axis=1)
+    return [system.row_names[n] for n in named_rows(system, size)][:6]
 
 
 def failure_of(
@@ -186,6 +187,7 @@ def singular(t: float, rows: list[str]) -> RunFailure:
     among = f" among {', '.join(rows)}" if rows else ""
     return RunFailure(
         "singular configuration",
-        f"the constraints become dependent near t = {t:.6g} s{among}: the mechanism can go on in several ways there. "
-        "Change the start or the dimensions, add a force that decides, or let `singularities` show where it happens.",
+        f"the constraints become dependent near t = {t:.6g} s{among}: the mechanism locks there, or can go on in "
+        "several ways. Change the start or the dimensions, add a force that decides, or let `singularities` show where "
+        "it happens.",
     )

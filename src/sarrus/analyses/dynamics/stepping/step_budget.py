@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from ....algebra import Array
 from ....system import System
 from .nodes import Nodes
-from .stepper import RunFailure
+from .stepper import RunFailure, RunPart
 
 WINDOW = 20_000  # steps over which the mean step length is measured
 WINDOWS = 3  # in a row that crawl, before a run is ended: a transient may need short steps for a while
@@ -58,7 +56,7 @@ def changing_fastest(system: System, nodes: Nodes) -> str:
     return f" The {what} changes fastest there."
 
 
-class StepWatch:
+class StepWatch(RunPart):
     """Counts the steps of one run against its budget.
 
     Parameters
@@ -66,6 +64,8 @@ class StepWatch:
     budget : StepBudget
     until : end of the run [s]
     """
+
+    VARIABLES = "_t", "_count", "_mean", "_crawled"
 
     def __init__(self, budget: StepBudget, until: float) -> None:
         self.budget, self._until = budget, until
@@ -88,7 +88,7 @@ class StepWatch:
             if count >= most and t < self._until:
                 raise RunFailure(
                     "too many steps",
-                    f"max_steps={most}: {count} steps were taken by t = {t:.6g} s, before the end.",
+                    f"Limits(steps={most}): {count} steps were taken by t = {t:.6g} s, before the end.",
                 )
             return
         if count - self._count < WINDOW:
@@ -103,14 +103,5 @@ class StepWatch:
             raise RunFailure(
                 "too many steps",
                 f"steps have become too short near t = {t:.6g} s, {mean:.1e} s on average: {ahead:.1e} more would "
-                f"follow. Pass max_steps= to go on.",
+                "follow. Pass limits=sr.Limits(steps=...) to go on.",
             )
-
-    def state(self) -> dict[str, Array]:
-        """Return the data that a continued run needs."""
-        return {"step_watch": np.array([self._t, self._count, self._mean, self._crawled])}
-
-    def resume(self, state: Any) -> None:
-        """Go on from such a state."""
-        self._t, count, self._mean, crawled = (float(x) for x in state["step_watch"])
-        self._count, self._crawled = int(count), int(crawled)

@@ -1,21 +1,29 @@
-"""Interface of integration methods for `simulate`: take steps from a state, and restart from another one."""
+"""Integration methods and other parts of a run: their interfaces, and their states.
+
+The variables that a part lists are its state, from which a run goes on with the same bits.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from functools import reduce
+from operator import attrgetter
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
+from ...._jit.kernels.scalars import Scalars
 from ....algebra import Array
 from ....results import Assembly, StepsTaken
+from ....results.saving.saved import COUNTS
 from ....system import System
 from ...equations.block_matrix import PlacedMatrix
 from ...redundancy.redundant_constraints import InconsistentConstraints, Independence
 from .nodes import Nodes
 from .tolerance import Tolerances
 
+CHUNK = 400  # steps for one call of a method
 HISTORY = 5  # columns of the history: t, h, error, Newton iterations, rejected before it
 
 
@@ -25,6 +33,113 @@ class RunFailure(ArithmeticError):
     def __init__(self, status: str, message: str) -> None:
         super().__init__(message)
         self.status, self.message = status, message
+
+
+class RunPart:
+    """A part of a run.
+
+    Attributes
+    ----------
+    VARIABLES : names of the attributes on which what follows depends, with dots for those of an attribute: arrays,
+        numbers, texts, lists of them, records, and other parts, or what has their two methods
+    """
+
+    VARIABLES: ClassVar[tuple[str, ...]] = ()
+
+    def state(self) -> dict[str, Array]:
+        """All variables, copied; those of a part within as "part.variable"."""
+        return state_of(self, self.VARIABLES)
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state; arrays of the same shape stay where they are, as compiled code knows them."""
+        take_over(self, self.VARIABLES, state)
+
+
+class FactoredPart(RunPart):
+    """A part with factored matrices, of which compiled code takes the arrays."""
+
+    _arrays: Any = None
+
+    def _show_matrix(self) -> None:
+        """The matrices as compiled code takes them."""
+        raise NotImplementedError
+
+    @property
+    def _is_factored(self) -> bool:
+        """Whether compiled code has them."""
+        return self._arrays is not None
+
+    @_is_factored.setter
+    def _is_factored(self, factored: bool) -> None:
+        self._arrays = None
+        if factored:
+            self._show_matrix()
+
+
+def state_of(part: object, variables: Iterable[str]) -> dict[str, Array]:
+    """The variables of a part, see `RunPart`."""
+    return arrays_of({name: attrgetter(name)(part) for name in variables})
+
+
+def take_over(part: object, variables: Iterable[str], state: Mapping[str, Array]) -> None:
+    """Let a part go on from such a state."""
+    for name in variables:
+        *path, last = name.split(".")
+        owner = reduce(getattr, path, part)
+        value = resumed(getattr(owner, last), below(name, state))
+        if not hasattr(owner, "_asdict"):  # arrays of records are written in place
+            setattr(owner, last, value)
+
+
+def arrays_of(variables: Mapping[str, Any]) -> dict[str, Array]:
+    """Variables by name as arrays; see `RunPart`."""
+    found = dict[str, Array]()
+    for name, value in variables.items():
+        inner = _inner(value)
+        if inner is None:
+            found[name] = np.array(value.as_array() if isinstance(value, Scalars) else value)
+        else:
+            found |= {f"{name}.{key}": array for key, array in inner.items()}
+    return found
+
+
+def below(name: str, state: Mapping[str, Array]) -> dict[str, Array]:
+    """The state of one variable; an array has the name ""."""
+    found = {key[len(name) + 1 :]: array for key, array in state.items() if key.startswith(f"{name}.")}
+    return found | ({"": state[name]} if name in state else {})
+
+
+def _inner(value: Any) -> dict[str, Array] | None:
+    """The arrays of what has variables itself, or is not there."""
+    if value is None:
+        return {}
+    if hasattr(value, "resume"):
+        return dict(value.state())
+    if isinstance(value, list) and value and hasattr(value[0], "resume"):
+        return arrays_of({str(n): one for n, one in enumerate(value)})
+    return arrays_of(value._asdict()) if hasattr(value, "_asdict") else None
+
+
+def resumed(value: Any, state: Mapping[str, Array]) -> Any:
+    """The value of a variable in a state, which takes the place of the present one."""
+    if value is None:
+        return None
+    if hasattr(value, "resume"):
+        value.resume(state)
+    elif isinstance(value, list) and value and hasattr(value[0], "resume"):
+        for n, one in enumerate(value):
+            one.resume(below(str(n), state))
+    elif hasattr(value, "_asdict"):
+        return value._make(resumed(one, below(name, state)) for name, one in value._asdict().items())
+    elif isinstance(value, Scalars):
+        value.assign(state[""])
+    elif not isinstance(value, np.ndarray):
+        return state[""].tolist() if isinstance(value, list) else type(value)(state[""])
+    elif value.shape != state[""].shape or not value.flags.writeable:
+        return state[""].copy()
+    else:
+        value[...] = state[""]
+    return value
 
 
 def independence_at(system: System, start: Assembly) -> Independence:
@@ -76,8 +191,10 @@ class Settings:
 
 
 @dataclass
-class Tally:
+class Tally(RunPart):
     """Counters of a method, see `Trajectory`."""
+
+    VARIABLES = COUNTS
 
     nfev: int = 0
     njev: int = 0
@@ -91,15 +208,10 @@ class Tally:
         self.nsteps, self.nrejected = self.nsteps + steps, self.nrejected + rejected
         self.nfev, self.njev, self.nlu = self.nfev + residuals, self.njev + matrices, self.nlu + factors
 
-    def counts(self) -> Array:
-        """All numbers but the history."""
-        return np.array([self.nfev, self.njev, self.nlu, self.nsteps, self.nrejected])
-
-    @classmethod
-    def of(cls, counts: Array) -> Tally:
-        """Create the counters from stored ones."""
-        nfev, njev, nlu, nsteps, nrejected = (int(x) for x in counts)
-        return cls(nfev, njev, nlu, nsteps, nrejected)
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """See `RunPart`; the history before is elsewhere."""
+        super().resume(state)
+        self.history = []
 
     def steps(self) -> Array:
         """The history as one array."""
@@ -112,9 +224,22 @@ class Stepper(Protocol):
     Attributes
     ----------
     t : time reached
+    switched : the switch just before which the last steps ended, if they did
+    has_history : whether steps depend on accelerations of the method's own, or on steps before
     """
 
     t: float
+
+    @property
+    def switched(self) -> Any:
+        """The switch."""
+
+    @property
+    def has_history(self) -> bool:
+        """Whether there is one."""
+
+    def end_at(self, switching: Any) -> None:
+        """Let steps end at switches of forces, and `advance` return at some of them."""
 
     @property
     def b(self) -> Array:
@@ -180,13 +305,6 @@ class Stepper(Protocol):
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state, in place of `restart`."""
-
-
-class IntegrationMethod(Protocol):
-    """Interface of a method with its options."""
-
-    def stepper(self, system: System, start: Assembly, settings: Settings) -> Stepper:
-        """The method at work."""
 
 
 class KeepingStepper(Stepper, Protocol):

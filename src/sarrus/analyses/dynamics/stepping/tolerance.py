@@ -25,8 +25,9 @@ KINDS = {"position": "m", "orientation": "rad", "velocity": "m/s", "rotation": "
 FINEST = 1e-10  # of coordinates: less is not asked for close to singular configurations
 HALF = 0.5  # of an angle: by so much, at most, its four Euler parameters change together
 TRIALS = 20  # lengths that are tried, each at most half of the one before
+# variables of methods whose tolerances follow a motion
+FOLLOWED = ("_tolerance.base", "_tolerance.motion", "_tolerance.size", "_tolerance.states")
 FIRST = ErrorTerm(3, 1.0)  # of a solver whose own is not known: h² times the change of a
-SAVED = ("base", "motion", "size", "states")  # of tolerances that follow a motion
 Given: TypeAlias = "float | ArrayLike | Mapping[str, float | str]"
 Absolute: TypeAlias = "Given | None"  # None: relative to the size of the motion
 
@@ -190,17 +191,6 @@ def begin_motion(
     if not np.any(tolerance.atol_q) and tolerance.size[LENGTH] == 0.0:
         tolerance.base[:] = q
         tolerance.size[LENGTH], tolerance.size[SPAN] = extent(system, q), 0.0 if until is None else until - t
-
-
-def saved(tolerance: Tolerance) -> dict[str, Array]:
-    """Return the data that a continued run needs."""
-    return {f"tolerance_{name}": np.array(getattr(tolerance, name)) for name in SAVED}
-
-
-def take_over(tolerance: Tolerance, state: Mapping[str, Array]) -> None:
-    """Go on from such a state."""
-    for name in SAVED:
-        getattr(tolerance, name)[:] = state[f"tolerance_{name}"]
 
 
 def _over_length(v: Array, a: Array, length: float) -> float:

@@ -7,7 +7,7 @@ energies change beyond the bounds, summed over steps, no part explains.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from functools import cache, cached_property
 from typing import Any, NamedTuple
 
@@ -29,8 +29,9 @@ from ....system.structure.population import Population
 from ...equations.length import extent, units
 from ..dense_output.sampler import PORTION, Sampler
 from ..stepping.nodes import Nodes
+from ..stepping.stepper import RunPart
 from ..stepping.tolerance import Tolerances
-from .initial_warnings import driven
+from .nearness import driven
 
 GROWTH = 0.5  # of the greatest kinetic energy: methods within their tolerances stay far below it
 ERRORS = 100.0  # times the tolerance: position errors that local ones add up to
@@ -104,7 +105,7 @@ class Beyond(NamedTuple):
     energy: Array
 
 
-class EnergyCheck:
+class EnergyCheck(RunPart):
     """The energies of one run, looked at from step to step.
 
     Powers are looked at where parts store energy that is in no potential: contacts, stops and tyres. Elsewhere energy
@@ -120,6 +121,8 @@ class EnergyCheck:
     ----------
     span : length of the run [s]
     """
+
+    VARIABLES = "_sums", "_most", "_steps", "_times", "_greatest", "_fastest"
 
     def __init__(self, system: System, sampler: Sampler, states: Callable[[], Sampler]) -> None:
         self._system, self._sampler, self._new_sampler = system, sampler, states
@@ -208,15 +211,9 @@ class EnergyCheck:
         return found
 
     def state(self) -> dict[str, Array]:
-        """Return the data that a continued run needs."""
+        """See `RunPart`; all steps taken are looked at."""
         self._look()
-        own = (self._sums, self._most, self._steps, self._times, [self._greatest, self._fastest])
-        return {"energies": np.array(own)}
-
-    def resume(self, state: Mapping[str, Array]) -> None:
-        """Go on from such a state."""
-        self._sums, self._most, self._steps, self._times, last = state["energies"].copy()
-        self._greatest, self._fastest = last.tolist()
+        return super().state()
 
     def warnings(self, run: Trajectory, tolerances: Tolerances) -> list[str]:
         """A warning where energy appeared or vanished, by more than `GROWTH` of the greatest kinetic energy.

@@ -1,20 +1,27 @@
-"""Positions near the motion where constraints are dependent, the constraints concerned, and undefined states."""
+"""Positions where constraints are dependent: at the start of a run and near its motion; undefined states."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
 from ....algebra import Array
 from ....model.errors import listed
+from ....results import Assembly
 from ....system import System
+from ....system.cached import once
+from ...equations.length import units
+from ...redundancy.degrees_of_freedom import STRAIGHT, largest_curvature
 from ...redundancy.redundant_constraints import Independence
 from ..dense_output.sample_loop import Samples
 from ..stepping.failures import NEARLY, redundant_rows
+from ..stepping.stepper import RunPart
+
+PROBES = 3  # random motions and combinations of equations: one alone could miss by chance
 
 
-class Nearness:
+class Nearness(RunPart):
     """Positions of one run at which constraints were nearly dependent, among the states that are given out.
 
     It is seen by the growth of these states, see `sample_loop.growth_of`: far above the least one so far. Then the rows
@@ -25,6 +32,8 @@ class Nearness:
     times : where each approach was closest [s]
     undefined : times of states with values that are not finite, which no such position explains [s]
     """
+
+    VARIABLES = "times", "undefined", "_rows", "_doubtful", "_least", "_most", "_t", "_q"
 
     def __init__(self, system: System, first: Independence) -> None:
         self._system, self._first = system, first
@@ -84,22 +93,51 @@ class Nearness:
             f"{min(self.undefined):.6g} s: {self._first.nearly or cause}."
         )
 
-    def state(self) -> dict[str, Array]:
-        """Return the data that a continued run needs."""
-        numbers = np.array([self._least, self._most, self._t])
-        found = {"near_times": np.array(self.times), "near_rows": np.array(self._rows, dtype="U")}
-        found |= {"undefined": np.array(self.undefined), "near_undefined": np.array(self._doubtful)}
-        return found | {"near_numbers": numbers, "near_q": self._q}
-
-    def resume(self, state: Mapping[str, Array]) -> None:
-        """Go on from such a state."""
-        self.times, self._rows = state["near_times"].tolist(), state["near_rows"].tolist()
-        self.undefined, self._doubtful = state["undefined"].tolist(), state["near_undefined"].tolist()
-        self._least, self._most, self._t = state["near_numbers"].tolist()
-        self._q = state["near_q"]
-
 
 def _undefined(samples: Samples) -> Array:
     """Which states have values that are not finite."""
     states = (samples.q, samples.v, samples.a, samples.lam)
     return np.asarray(~np.all([np.isfinite(x).all(axis=1) for x in states], axis=0))
+
+
+def initial_warnings(system: System, start: Assembly, first: Independence) -> Iterator[str]:
+    """Yield what a user should know before a run from this state."""
+    t = start.asked.t if start.asked else 0.0
+    freedom = system.nq - system.m + first.known
+    if first.nearly:
+        yield f"{system.name}: {first.nearly}."
+    if freedom == 0 and not driven(system):
+        yield (
+            f"{system.name}: nothing can move, since the model has no degrees of freedom and no driver. Remove "
+            "constraints, or use `equilibrium` for the forces in a structure."
+        )
+    elif freedom and first.known and rank_changes(system, start.q, t, first):
+        yield (
+            f"{system.name}: the constraints lose rank in the initial configuration: it has {freedom} degree"
+            f"{'' if freedom == 1 else 's'} of freedom there and fewer nearby, and the motion may follow any branch. "
+            "Start from another configuration."
+        )
+
+
+@once
+def driven(system: System) -> bool:
+    """Whether a constraint depends on time."""
+    return any(p.count and p.kind.rows and p.kind.timed for p in system.populations)
+
+
+def rank_changes(system: System, q: Array, t: float, first: Independence) -> bool:
+    """Whether the rank of Φ_q changes along some motion that is possible at a position.
+
+    It does not if ηᵀ (Φ_qᵀ n)_q ξ = 0 for all motions ξ and η and all combinations n of equations with nᵀΦ_q = 0, which
+    is tried for random ones.
+    """
+    random, unit = np.random.default_rng(0), units(system.nq, first.length)
+    sizes = first.row_lengths(q, t)
+    curvature = largest_curvature(system, q, t, sizes, unit) or 1.0
+    for _ in range(PROBES):
+        n = first.vanishing(q, t, random)
+        n = n / np.linalg.norm(n * sizes)
+        xi, eta = (xi / np.linalg.norm(xi / unit) for xi in first.motions(q, t, unit, random))
+        if abs(eta @ (system.Phi_qT_lam_q(q, n, t) @ xi)) > STRAIGHT * curvature:
+            return True
+    return False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from itertools import repeat
 from threading import RLock
 from typing import Any, NamedTuple
@@ -12,6 +12,7 @@ import numpy as np
 from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
 from ....model.announcement import announce, warn_now
+from ....model.read_only import read_only
 from ....results import Trajectory
 from ....results.motion.trajectory import COMPUTED, LAST
 from ....system import System
@@ -19,8 +20,11 @@ from ..dense_output.sample_loop import REFINEMENTS, Samples
 from ..dense_output.sampler import Sampler, samples_at
 from ..dense_output.winding import revolutions_between
 from ..stepping.nodes import Nodes
+from ..stepping.stepper import RunPart
 from .nearness import Nearness
 
+COUNTED = "revolutions"  # the field
+CROWDED = 10  # outputs within a step, above which its points take less time than they save
 SUCCESS = ("finished", "event")
 
 
@@ -32,7 +36,7 @@ class Waiting(NamedTuple):
     revolutions: Array
 
 
-class OutputStates:
+class OutputStates(RunPart):
     """The states of a run at the output times, computed from its steps when somebody looks at them.
 
     Where only positions and velocities are wanted, accelerations, multipliers and energies are not computed. If they
@@ -48,6 +52,8 @@ class OutputStates:
     waiting : what is not computed yet, in the order of time
     nearness : of the states computed with accelerations
     """
+
+    VARIABLES = "sampler", "nearness"
 
     def __init__(self, system: System, sampler: Sampler) -> None:
         self.system, self.sampler = system, sampler
@@ -87,15 +93,16 @@ class OutputStates:
 
     def _states(self, rounds: int, progress: Callable[[float], None] | None = None) -> list[Samples]:
         """The states that wait; after an interruption, or without rounds for accelerations, again from the start."""
-        begin = {name: np.array(array) for name, array in self.state().items()}
+        begin = self.state()
         states, again = [self.sampler.capacity(one.times) for one in self.waiting], True
         try:
             for (nodes, _, turns), out, known in zip(self.waiting, states, self._projected or repeat(None)):
-                for done in self.sampler.fill(out, nodes, known=known, rounds=rounds):
+                crowded = CROWDED if known is None else None
+                for done in self.sampler.fill(out, nodes, known=known, crowded=crowded, rounds=rounds):
                     if progress and done < len(out.t):
                         progress(float(out.t[done]))
-                out.revolutions[:] = revolutions_between(self.system, nodes, turns, out.t, out.q, out.v)
                 if rounds:
+                    out.revolutions[:] = revolutions_between(self.system, nodes, turns, out.t, out.q, out.v)
                     out.energy[:] = self.sampler.energies(out)[:, :2]
                     self.nearness.look(out)
             again = not rounds
@@ -103,17 +110,6 @@ class OutputStates:
             if again:
                 self.resume(begin)
         return states
-
-    def state(self) -> dict[str, Array]:
-        """Return the data on which further states depend."""
-        choices = {f"output_{name}": array for name, array in self.sampler.choices().items()}
-        return choices | self.nearness.state()
-
-    def resume(self, state: Mapping[str, Array]) -> None:
-        """Go on from such a state; folders of older versions have one choice of pivots for all states."""
-        own = {name.removeprefix("output_"): x for name, x in state.items() if name.startswith("output_")}
-        self.sampler.resume(own or state)
-        self.nearness.resume(state)
 
     def remarks(self) -> tuple[str, list[str]]:
         """The message of the run with what its states add, and warnings about them."""
@@ -128,10 +124,12 @@ class OutputStates:
         with self.lock:
             if name not in LAST and not self._fields:
                 self._project()
+            if name == COUNTED and name not in self._fields and "q" in self._fields:
+                self._count()
             if (
                 name not in self._fields
             ):  # also positions, where a state could not be projected: there are warnings
-                self._fields, self._computed = self._complete(), []
+                self._fields, self._computed = read_only(self._complete()), []
                 warn_now(self._fields["warnings"])
             return self._fields
 
@@ -147,10 +145,19 @@ class OutputStates:
         states = self._states(rounds=0)
         if not any(np.isinf(out.growth).any() for out in states):
             columns = _columns([*self._computed, *states], self.system)
-            self._fields = {name: array for name, array in columns.items() if name not in LAST}
+            self._fields = read_only(
+                {name: array for name, array in columns.items() if name not in (*LAST, COUNTED)}
+            )
         unfilled = "a", "lam", "energy"
         empty = [{name: getattr(out, name)[:, :0].copy() for name in unfilled} for out in states]
         self._projected = [out._replace(**own) for out, own in zip(states, empty, strict=True)]
+
+    def _count(self) -> None:
+        """Compute the revolutions at the projected states."""
+        counted = [out.revolutions for out in self._computed]
+        for (nodes, _, turns), out in zip(self.waiting, self._projected, strict=True):
+            counted.append(revolutions_between(self.system, nodes, turns, out.t, out.q, out.v))
+        self._fields |= read_only({COUNTED: np.concatenate(counted)})
 
     def trajectory(self, **fields: Any) -> Trajectory:
         """The trajectory of the run; states that wait are computed when somebody looks at them."""

@@ -15,6 +15,7 @@ from ....system.curves.curve_derivatives import CurveDerivatives
 from ....system.curves.lanes import used
 from ...equilibria.settled_derivatives import derivatives_of
 from ...position.assembly_derivatives import AssemblyDerivatives
+from ..lagrangians.changes import Change
 from ..steps.curves import Curves, by_curves
 from ..steps.record import ACCELERATIONS, Record
 from ..steps.sweep import PerOperation, Sweep
@@ -51,7 +52,7 @@ class Nodes:
         """Buffers for k columns, of any value; `shift` is zero."""
         segments = segments_of(steps)
         nq, m = segments[0].q.shape[1], segments[0].lam.shape[1]
-        count = sum(len(segment) + 1 for segment in segments)
+        count = sum(len(segment.t) for segment in segments)
         q, v, a, lam = (used(count, width, k) for width in (nq, nq, nq, m))
         return cls(q, v, a, lam, np.zeros((len(segments) + 1, k)))
 
@@ -59,6 +60,10 @@ class Nodes:
         """Some of the nodes, as views."""
         q, v, a, lam = (getattr(self, name)[rows] for name in STATES)
         return Nodes(q, v, a, lam, np.zeros((2, self.q.shape[2])))
+
+    def column(self, k: int) -> NodeArrays:
+        """One column of the states (n + 1, nq or m, 1), as views."""
+        return NodeArrays(*(getattr(self, name)[..., k : k + 1] for name in STATES))
 
     def copy(self) -> Nodes:
         """Arrays that do not share memory with these."""
@@ -98,7 +103,7 @@ class SegmentChain:
 
     Parameters
     ----------
-    system, steps : the segment, of a run with ``store_steps=True``
+    system, steps : the segment, of a run with ``store="steps"``
     moving : whether it begins at a time that moves: its change is behind those of all numbers
     """
 
@@ -114,6 +119,11 @@ class SegmentChain:
     def record(self) -> Record:
         """The operations of all steps."""
         return Record(self.system, self.steps)
+
+    @cached_property
+    def sweep(self) -> Sweep:
+        """Sweeps of one column over all steps."""
+        return Sweep(self.record, 1)
 
     @cached_property
     def start(self) -> Start:
@@ -132,7 +142,7 @@ class SegmentChain:
 
     def curves_of(self, record: Record) -> Curves:
         """The same of some operations of the steps."""
-        return self.curves if record is self.record else Curves(record, self.moving)
+        return self.curves if record is vars(self).get("record") else Curves(record, self.moving)
 
     def along(
         self, q: Array, v: Array, db: Array, found: Nodes | None = None, stages: PerOperation | None = None
@@ -172,8 +182,9 @@ class SegmentChain:
     def with_motion_at(self, given: Nodes) -> Record:
         """The operations, with accelerations by the equations of motion only at nodes where they have gradients."""
         nodes = given.asks_for_motion()
-        if len(self.record.operations[ACCELERATIONS]) in (0, len(nodes)):
-            return self.record
+        known: Record | None = vars(self).get("record")
+        if known and len(known.operations[ACCELERATIONS]) in (0, len(nodes)):
+            return known
         return Record(self.system, self.steps, nodes)
 
     def _initial(
@@ -190,7 +201,14 @@ class SegmentChain:
 
 
 class BackwardState:
-    """Gradients of responses carried backwards over steps: by the state, and by the numbers (width, columns)."""
+    """Gradients of responses carried backwards over steps: by the state, and by the numbers (width, columns).
+
+    Attributes
+    ----------
+    of_start : adjoint variables of the equations at the start
+    """
+
+    of_start: tuple[Array, Array]
 
     def __init__(self, width: int, columns: int) -> None:
         self.b = np.zeros((width, columns))
@@ -233,10 +251,15 @@ class BackwardState:
                 found[own] = found[own] + factor * self.sweep.block(self.state, name)
         return found
 
-    def through_start(self, start: Start, given: Nodes) -> tuple[Array, Array, Array]:
-        """Gradients by q and v of the first state, and by the numbers."""
+    def through_start(
+        self, start: Start, given: Nodes, change: Change | None = None
+    ) -> tuple[Array, Array, Array]:
+        """Gradients by q and v of the first state, and by the numbers; `change` is that of its equations."""
         first = self.by_first(given)
-        by_q, by_v, by_b = start.transposed(*start.adjoint(first["a"], first["lam"]))
+        if change:
+            first = {name: x - getattr(change, name)[:, None] for name, x in first.items()}
+        self.of_start = start.adjoint(first["a"], first["lam"])
+        by_q, by_v, by_b = start.transposed(*self.of_start)
         return by_q + first["q"], by_v + first["v"], by_b + self.b
 
 

@@ -5,7 +5,6 @@ A step backwards whose adjoint changes has the contracted second derivatives of 
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +14,7 @@ from ....results import StepsTaken
 from ..lagrangians.changes import Change, change_at
 from ..lagrangians.curves import CurveLagrangian
 from ..steps.second_order import changes_along
-from ..steps.sweep import PerOperation, Sweep
+from ..steps.sweep import PerOperation
 from .chain import BackwardState, Nodes, SegmentChain
 
 
@@ -24,15 +23,6 @@ class AdjointVariables(NamedTuple):
 
     operations: PerOperation
     start: tuple[Array, Array]
-
-
-class BackwardResult(NamedTuple):
-    """The way back through all steps: gradients by the first state and by the numbers, and what was solved for."""
-
-    q: Array
-    v: Array
-    b: Array
-    solved: AdjointVariables
 
 
 class AdjointChange(NamedTuple):
@@ -55,26 +45,18 @@ class CurvedSteps:
     def __init__(self, chain: SegmentChain, curves: CurveLagrangian) -> None:
         self._chain, self._system, self._steps, self._curves = chain, chain.system, chain.steps, curves
 
-    @cached_property
-    def _sweep(self) -> Sweep:
-        return Sweep(self._chain.record, 1)
-
-    def back(self, nodes: Nodes, turned: AdjointChange | None) -> BackwardResult:
-        """Sweep backward through all steps, with the changes of their equations."""
-        chain, sweep = self._chain, self._sweep
+    def back(
+        self, nodes: Nodes, change: AdjointChange | None
+    ) -> tuple[tuple[Array, Array, Array], AdjointVariables]:
+        """Gradients by the first q and v and by the numbers, and what was solved for, with changes of the equations."""
+        chain, sweep = self._chain, self._chain.sweep
         back, solved = BackwardState(chain.by_curves.width, 1), sweep.unknowns()
-        curves, sources = chain.curves if self._curves else None, turned.sources if turned else None
+        curves, sources = chain.curves if self._curves else None, change.sources if change else None
         back.over(sweep, curves, nodes, 0, solved=solved, sources=sources)
-        first = back.by_first(nodes)
-        if turned:
-            for name in ("q", "v", "a", "lam"):
-                first[name] = first[name] - getattr(turned.start, name)[:, None]
-        of_start = chain.start.adjoint(first["a"], first["lam"])
-        by_q, by_v, by_b = chain.start.transposed(*of_start)
-        found = BackwardResult(
-            first["q"] + by_q, first["v"] + by_v, back.b + by_b, AdjointVariables(solved, of_start)
-        )
-        return found._replace(b=found.b - turned.b[:, None]) if turned else found
+        if change:
+            back.b -= change.b[:, None]
+        found = back.through_start(chain.start, nodes, change.start if change else None)
+        return found, AdjointVariables(solved, back.of_start)
 
     def turned(
         self, b_dot: Array, moved: Nodes, stages: PerOperation, adjoint: AdjointVariables

@@ -21,7 +21,7 @@ from ...equations.joined_operators import CurveTerms, TwoSidedMatrix
 from ...equations.length import extent, units
 
 BY_NUMBERS = ("M_a_b", "Phi_qT_lam_b", "Q_b", "S_b", "Phi_q_xi_b", "gamma_b")
-ALONE = ("Phi_q_xi_q", "gamma_q", "gamma_v")  # operators that no group has, beside these
+ALONE = ("Phi_q_xi_q", "gamma_q", "gamma_v", *BY_NUMBERS)  # operators that no group has
 
 
 class Start:
@@ -32,16 +32,13 @@ class Start:
     system : System
     steps : whose first node it is
     curves : of the system, perhaps with the time, which make the numbers complete
-    by_numbers : whether there are derivatives by the numbers of the elements, or zeros
 
     Attributes
     ----------
     width : number of parameters, including those of curves
     """
 
-    def __init__(
-        self, system: System, steps: StepsTaken, curves: CurveDerivatives, by_numbers: bool = True
-    ) -> None:
+    def __init__(self, system: System, steps: StepsTaken, curves: CurveDerivatives) -> None:
         self._nq, self._m = nq, m = system.nq, system.m
         self._at, self.width = (system, steps.q[0]), curves.width
         b = steps.b.copy()
@@ -50,18 +47,15 @@ class Start:
         at = {"t": float(steps.t[0])} | {name: getattr(steps, name)[0] for name in ("q", "v", "a", "lam")}
         at["xi"] = at["a"]
         together = [GROUPS[kind] for kind in ("jacobian", "inertia", "stiffness")]
-        alone = (*ALONE, *BY_NUMBERS) if by_numbers else ALONE
-        names = (*(name for group in together for name in group), LEFT_OUT, *alone)
+        names = (*(name for group in together for name in group), LEFT_OUT, *ALONE)
         numbers = Numbers(system, names)
         numbers.left_out[:] = steps.left_out[0] if len(steps.left_out) else 0.0
-        for group in (*together, *((name,) for name in alone)):
+        for group in (*together, *((name,) for name in ALONE)):
             numbers.evaluate(group, b, at)
         self._stored = 1.0 - numbers.left_out[:, None]
         self._motion = LUFactors(PlacedMatrix(numbers, nq + m, motion_parts(nq)).matrix())
-        bent = curved_equations(curves, b, at, nq, m) if curves and by_numbers else []
-        self._equations = TwoSidedMatrix(
-            numbers, _signs(nq, by_numbers), nq + m, 2 * nq, 2 * nq + curves.width, bent
-        )
+        bent = curved_equations(curves, b, at, nq, m) if curves else []
+        self._equations = TwoSidedMatrix(numbers, _signs(nq), nq + m, 2 * nq, 2 * nq + curves.width, bent)
 
     @property
     def freedom(self) -> int:
@@ -98,14 +92,12 @@ class Start:
         return found[: self._nq], found[self._nq :]
 
 
-def _signs(nq: int, by_numbers: bool) -> dict[Part, float]:
-    """The changes of both equations with q, v and, if they are there, with the numbers."""
+def _signs(nq: int) -> dict[Part, float]:
+    """The changes of both equations with q, v and the numbers."""
     motion = {"M_a": 1.0, "Phi_qT_lam": 1.0, "Q": -1.0, "S": -1.0}
     found = {Part(f"{name}_q", 0, 0): sign for name, sign in motion.items()}
     found |= {Part(f"{name}_v", 0, nq): -1.0 for name in ("Q", "S")}
     found |= {Part("Phi_q_xi_q", nq, 0): 1.0, Part("gamma_q", nq, 0): -1.0, Part("gamma_v", nq, nq): -1.0}
-    if not by_numbers:
-        return found
     found |= {Part(f"{name}_b", 0, 2 * nq): sign for name, sign in motion.items()}
     return found | {Part("Phi_q_xi_b", nq, 2 * nq): 1.0, Part("gamma_b", nq, 2 * nq): -1.0}
 

@@ -33,13 +33,13 @@ from ....results.motion.steps import last_of
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ....system.curves.time_derivatives import timed
-from ...dynamics.events.force_corners import Corner
+from ...dynamics.events.switching_functions import Corner
 from ...equations.motion import Saddle
 from ..chain.chain import SegmentChain
 from ..sampling.sampling import apart, interpolation
 from .functions import TapeValues, recorded
 from .infinite_slopes import EndOfLaw
-from .reactions import SolvedRecorded, recorded_solved, solves
+from .reactions import recorded_solved, solves
 
 STEPS = 16  # before a corner at which slopes become infinite, whose state at their end follows the corner
 # of the tolerance of the steps: an event whose function goes no farther below zero only grazes
@@ -132,11 +132,12 @@ class EventDerivatives:
         """The function that gives velocities."""
         return self.recorded(self.event.reset)
 
-    def recorded(self, function: Any, copies: int = 1) -> TapeValues:
-        """A function of the event, recorded at its state."""
+    def recorded(self, function: Any, copies: int = 1, at: EventStep | None = None) -> TapeValues:
+        """A function of the event, recorded at its state, or at another one."""
+        event = at or self.event
         if isinstance(function, str) and solves(self.system, function):
-            return recorded_solved(self.system, self._steps, self.event, function, self.b, self._angles)
-        return recorded(self.system, self.event, function, self.b, self._angles, copies)
+            return recorded_solved(self.system, self._steps, event, function, self.b, self._angles)
+        return recorded(self.system, event, function, self.b, self._angles, copies)
 
     def _interpolate(self) -> None:
         steps, n = self._steps, len(self._steps) - 1
@@ -161,7 +162,7 @@ class EventDerivatives:
     def _end_of_law(self) -> EndOfLaw | None:
         """Whether slopes of forces become infinite at a corner; None for other events."""
         event = self.event
-        if not isinstance(event.function, Corner) or event.function.length:
+        if not isinstance(event.function, Corner):
             return None
         return EndOfLaw(self.system, self._steps, self.b, event.q, event.v)
 
@@ -191,10 +192,10 @@ class EventDerivatives:
 
     def _refuse_grazing(self) -> None:
         """An event whose function hardly crosses zero may come or not: its time has no derivative."""
-        steps, event, function = self._steps, self.event, self.function
+        steps, event = self._steps, self.event
         if isinstance(event.function, Corner):
             return  # a step ends there only where its time is certain
-        bend, psi = self._bend(function), function.slopes
+        psi, bend = self.function.slopes, abs(self._rate_at(-1) - self._rate_at(-2)) / float(steps.h[-1])
         known = sum(
             abs(w[0]) @ (steps.rtol * abs(x) + steps.atol) for w, x in ((psi.q, event.q), (psi.v, event.v))
         )
@@ -206,23 +207,11 @@ class EventDerivatives:
                 "Move what it looks for away from where the function has an extreme, or leave the event out."
             )
 
-    def _bend(self, function: TapeValues) -> float:
-        """The mean of |ψ̈| over the last step."""
-        psi, steps = function.slopes, self._steps
-        if isinstance(function, SolvedRecorded):
-            ends, curved = [self._rate_at(k) for k in (-2, -1)], 0.0
-        else:
-            ends = [psi.q @ steps.v[k] + psi.v @ steps.a[k] for k in (-2, -1)]
-            curved = function.bend(*self.rates)
-        return abs(float((ends[1] - ends[0])[0]) / float(steps.h[-1]) + curved)
-
-    def _rate_at(self, k: int) -> Array:
-        """ψ̇ at a node (1,)."""
-        steps, event = self._steps, self.event
-        t, q, v, a = (getattr(steps, name)[k] for name in ("t", "q", "v", "a"))
-        there = replace(event, t=float(t), q=q, v=v)
-        psi = recorded_solved(self.system, steps, there, str(event.function), self.b, self._angles).slopes
-        return np.asarray(psi.q @ v + psi.v @ a + psi.t[0])
+    def _rate_at(self, k: int) -> float:
+        """ψ̇ at a node."""
+        t, q, v, a = (getattr(self._steps, name)[k] for name in ("t", "q", "v", "a"))
+        psi = self.recorded(self.event.function, at=replace(self.event, t=float(t), q=q, v=v)).slopes
+        return float((psi.q @ v + psi.v @ a + psi.t[:, 0])[0])
 
     def _solve_multipliers(self, stored: Array | None) -> None:
         system, event, b = self.system, self.event, self.b
@@ -413,12 +402,8 @@ class EventDerivatives:
         by_q = system.Phi_q_xi_q(q, v, t, b=b) + csr_array(self._turning)
         by_t = self._turning @ v + system.Phi_tt(q, t, b=b)
         by_b = self._by_b("Phi_q_xi", q, v) + self._by_b("Phi_t", q)
-        return {
-            (row, "q"): by_q,
-            (row, by): system.Phi_q(q, t, b=b),
-            (row, "t"): by_t[:, None],
-            (row, "b"): by_b,
-        }
+        J = system.Phi_q(q, t, b=b)
+        return {(row, "q"): by_q, (row, by): J, (row, "t"): by_t[:, None], (row, "b"): by_b}
 
     def _struck(self, M: csr_array, force: Grid) -> dict[tuple[str, str], Any]:
         """Those of what an impulse or a function does to the velocities, beyond `_force`."""

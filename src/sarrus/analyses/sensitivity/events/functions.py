@@ -19,7 +19,7 @@ from ....outputs.output import formula_of
 from ....outputs.recording import Angles, Key, States, Variable
 from ....results import EventStep
 from ....system import System
-from ...dynamics.events.force_corners import Corner
+from ...dynamics.events.switching_functions import Corner
 from ...dynamics.sampled.control import Sample
 
 
@@ -74,13 +74,6 @@ class TapeValues:
         if not isinstance(self.found[0], Tracer):
             return [0.0] * len(self.tape.entries)
         return self.tape.gradient_along({self.found[0].at: 1.0}, {}, self.tape.along(moved))[1]
-
-    def bend(self, q: Array, v: Array) -> float:
-        """The second derivative of the first number by the time, where q, v and the time change evenly."""
-        rates = {"q": q, "v": v, "t": np.ones(1)}
-        moved = {place: float(rates[kind][n]) for (kind, n), place in self.places.items() if kind in rates}
-        change = self._changed(moved)
-        return float(sum(np.sum(change[place]) * rate for place, rate in moved.items()))
 
     def along(self, dots: Slopes) -> Array:
         """The changes of the numbers, for changes of q, v, c, the time and b, each (n,)."""

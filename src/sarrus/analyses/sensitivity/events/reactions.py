@@ -13,7 +13,7 @@ from ....algebra import Array
 from ....model.tape import Tracer
 from ....outputs import Level, find_output
 from ....outputs.output import formula_of
-from ....outputs.recording import Angles, Key, States
+from ....outputs.recording import Angles, Key
 from ....results import EventStep, StepsTaken
 from ....system import System
 from ..chain.chain import FIELDS, Nodes
@@ -42,6 +42,7 @@ class EventState(Sampling):
             np.zeros(len(event_step.q)),
             np.zeros(1),
         )
+        self.q, self.v = event_step.q[None], event_step.v[None]
         self.moved: Slopes | None = None
 
     def cleared(self) -> None:
@@ -58,14 +59,6 @@ class EventState(Sampling):
     def between_nodes(self) -> Array:
         """None: the coordinates of the event satisfy the constraints."""
         return np.zeros(1, dtype=bool)
-
-    @property
-    def states(self) -> States:
-        """The state there."""
-        event_step = self._event_step
-        return States(
-            self.t, event_step.q[None], event_step.v[None], 0 * event_step.q[None], lambda: np.zeros((1, 0))
-        )
 
     def spread(self, kind: str, places: Array, bar: Array, nodes: Nodes, column: int) -> None:
         """Add the gradients by some coordinates or velocities."""
@@ -159,5 +152,5 @@ def recorded_solved(
     """The formula of an event, in the last of some steps, with accelerations and multipliers."""
     event = EventState(event_step)
     solved = ConsistentSampling(system, steps, event)
-    found = of_formula(Copies(system, solved.states, b, unknown, angles), text)
+    found = of_formula(Copies(system, solved, b, unknown, angles), text)
     return SolvedRecorded(*(getattr(found, f.name) for f in fields(TapeValues)), event=event, solved=solved)

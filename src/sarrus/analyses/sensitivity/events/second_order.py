@@ -89,14 +89,8 @@ class _Contracted:
         to["q"] += self._part("place", nu=self._by["place"], q=derived.event.q, q_dot=dots["q"]).q
         if derived.rolling.any():
             self._rolled(derived.event.q - derived.q0)
-        rate = self._part(
-            "rate",
-            nu=-self._by["rate"],
-            q=derived.event.q,
-            q_dot=dots["q"],
-            v=derived.event.v,
-            v_dot=dots["v"],
-        )
+        of_event = {"q": derived.event.q, "q_dot": dots["q"], "v": derived.event.v, "v_dot": dots["v"]}
+        rate = self._part("rate", nu=-self._by["rate"], **of_event)
         to["q"] += rate.q
         to["v"] += rate.v
         self._add(derived.function.turned(self._by["event"], np.zeros(1), self._moved()))

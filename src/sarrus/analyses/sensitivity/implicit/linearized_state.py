@@ -96,14 +96,11 @@ class GivenState(SolvedStates):
         else:
             dq, dv = (own * x for own, x in zip(self._own, (moves.q, moves.v), strict=True))
             q, v = self._assembly.along(moves.b, dq=dq, dv=dv, dc=self._by_model @ moves.c)
-        found = NodeArrays(*(x[None] for x in (q, v, *self.motion.along(q, v, moves.b))))
-        self.shorten(found, moves.b)
-        return found
+        return NodeArrays(*(x[None] for x in (q, v, *self.motion.along(q, v, moves.b))))
 
     def gradient(self, by: NodeArrays) -> Moves:
-        by_b = self.unshorten(by)
         q, v, b = self.motion.transposed(*self.motion.adjoint(by.a[0], by.lam[0]))
-        q, v, by_b = by.q[0] + q, by.v[0] + v, by_b + b
+        q, v = by.q[0] + q, by.v[0] + v
         if self.held:
             through = self.held.gradient(q[:, 0], v[:, 0])
         else:
@@ -111,7 +108,7 @@ class GivenState(SolvedStates):
             own_q, own_v = self._own
             parts = found.b, own_q * found.q, own_v * found.v, self._by_model.T @ found.c
             through = Moves(*(x[:, None] for x in parts))
-        return through._replace(b=through.b + by_b)
+        return through._replace(b=through.b + b)
 
 
 class HeldCoordinates(AssemblyDerivatives):

@@ -9,22 +9,25 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
+from ....outputs import Outputs
 from ....results import Gradient
 from ....system import System
-from ..chain.chain import Gradients
+from ..chain.chain import Gradients, Nodes
+from ..gradients import by_parameters, gradient_of
 from ..parameters.parameters import Parameters
+from ..responses.evaluation import DirectTerms, Evaluation
 from ..responses.panels import Layout
 from ..responses.responses import AtEvent, ExtremeValue, Integral, Response
-from ..responses.undefined import along_with_weight, gradient_of
-from ..steps.sweep_loop import NodeArrays
-from .solved_states import KINDS, Moves, SolvedStates
+from ..sampling.consistent import AdjointChange
+from ..sampling.sampling import READ, Sampling
+from .solved_states import Moves, SolvedStates, StatesAt
 
 AT = 1e-9  # of the duration of a result, within which a time is one of its own
 
 Solved = Callable[[Array], SolvedStates]
 
 
-class ResponsesOfResult:
+class ResponsesOfResult(Evaluation):
     """Responses of a result that equations determine: their values and outputs, and the derivatives of both.
 
     Parameters
@@ -45,39 +48,41 @@ class ResponsesOfResult:
         responses: Sequence[Response],
         parameters: Parameters,
     ) -> None:
-        self.system, self._responses, self._parameters = system, responses, parameters
         rows = [_rows(response, t, name) for response in responses]
         chosen = np.unique(np.concatenate(rows))
-        self._states = solved(chosen)
-        self._every = [
-            _Response(response, self._states, np.searchsorted(chosen, own), parameters)
-            for response, own in zip(responses, rows, strict=True)
-        ]
+        self.system, self._solved, self._asked = system, solved(chosen), responses
+        where: Any = [np.searchsorted(chosen, own) for own in rows]
+        super().__init__(system, self._solved.steps, responses, parameters, self._solved.angles, where)
 
-    @property
-    def values(self) -> Array:
-        """The responses (r,)."""
-        return np.array([one.value for one in self._every])
+    def _add(self, response: Response, where: Any) -> None:
+        """Evaluate one more response at some of the states; an integral or extreme at samples of panels."""
+        sampling, outputs, found = self._evaluated(response, StatesAt(self._solved, where))
+        own, at = _in_panels(response, self._signal(sampling, found))
+        if own is not response:
+            sampling, outputs, found = self._evaluated(own, StatesAt(self._solved, where[at]))
+        self._append(own, sampling, outputs, found)
 
-    @property
-    def signals(self) -> list[Array]:
-        """The output of every response at its times (nt,)."""
-        return [one.signal for one in self._every]
+    def _evaluated(
+        self, response: Response, where: Sampling, sides: Sequence[Array] = ()
+    ) -> tuple[Sampling, Outputs, Any]:
+        outputs = self._outputs_at(where, sides)
+        outputs.about = self._solved.about.result if self._solved.about else None
+        return where, outputs, response.evaluate(outputs)
 
-    def signals_along(self) -> list[Array]:
-        """Their derivatives by the parameters (nt, p), by one solution for each; NaN for those without any."""
-        states, parameters = self._states, self._parameters
-        every = parameters.along(np.eye(len(parameters.names)))
-        found = [np.zeros((len(one.signal), len(parameters.names))) for one in self._every]
-        undefined = states.undefined(parameters)
+    def changes(self) -> list[Array]:
+        """The derivatives of every output by the parameters (nt, p), by one solution for each; NaN without any."""
+        parameters, states = self._parameters, self._solved
+        every, undefined = np.eye(len(parameters.names)), states.undefined(parameters)
+        moves = Moves(*parameters.along(every))
+        dots = Nodes.zeros(self._steps, len(every))
         for k in np.flatnonzero(~undefined).tolist():
-            moves = Moves._make(np.ascontiguousarray(x[:, k : k + 1]) for x in every)
-            change = states.along(moves)
-            for own, one in zip(found, self._every, strict=True):
-                own[:, k] = one.along(k, change, moves)
-        for n, one in enumerate(self._every):
-            found[n] = along_with_weight(found[n], one.weights == 0.0, one.bars)
-            found[n][:, undefined] = np.nan
+            change = states.along(moves.column(k))
+            for kind in READ:
+                getattr(dots, kind)[..., k] = getattr(change, kind)[..., 0]
+        named = dict(zip(parameters.names, every, strict=True))
+        found = self.signals_along(dots, moves.b, moves.c, named)
+        for own in found:
+            own[:, undefined] = np.nan
         return found
 
     def gradient(self, method: str = "adjoint") -> Gradient:
@@ -88,102 +93,33 @@ class ResponsesOfResult:
         UndefinedResponse
             For a response whose derivative is infinite.
         """
-        bars = [one.bars() for one in self._every]
+        nodes, explicit = self.gradients()
+        columns = range(len(self._responses))
         if method == "direct":
-            along = zip(self._every, self.signals_along(), strict=True)
-            matrix = np.array([one.weights @ moved for one, moved in along])
+            matrix = np.array(
+                [self._weights(n) @ own for n, own in zip(columns, self.changes(), strict=True)]
+            )
         else:
-            matrix = np.array([one.gradient(own) for one, own in zip(self._every, bars, strict=True)])
-            matrix[:, self._states.undefined(self._parameters)] = np.nan
-        system, parameters, responses = self.system, self._parameters, self._responses
-        return Gradient(
-            tuple(one.title for one in responses), tuple(parameters.names), self.values, parameters.values, matrix,
-            response_units=tuple(one.unit(system) for one in responses), units=parameters.units,
-        )  # fmt: skip
+            each = [self._solved.gradient(nodes.column(n)) for n in columns]
+            by = Gradients(*(np.concatenate(x, axis=1) for x in zip(*each, strict=True)))
+            matrix = by_parameters(by, self._parameters, explicit)
+        undefined = self._solved.undefined(self._parameters)
+        return gradient_of(self._asked, self._parameters, self.values, matrix, undefined)
 
+    def _with_reported(self, dots: Nodes, b: Array) -> Nodes:
+        return replace(dots, lam=self._reported.along(dots, b, self._reported.times(dots.shift)))
 
-class _Response:
-    """One response: its value, and its gradients by the states and the parameters.
-
-    Parameters
-    ----------
-    response : Response
-    solved : the states
-    rows : of the states, at which it is taken
-    parameters : Parameters
-    """
-
-    def __init__(self, response: Response, solved: SolvedStates, rows: Array, parameters: Parameters) -> None:
-        self._solved, self._parameters = solved, parameters
-        self._outputs = solved.outputs(parameters)
-        self._found, self._title = response.evaluate(self._outputs), response.title
-        t = solved.states.t
-        self._rows = rows
-        self.signal = np.broadcast_to(np.asarray(self._found.value, dtype=float), t.shape)[rows]
-        response, at = _in_panels(response, self.signal)
-        g, t = self.signal[at], t[rows][at]
-        self.value = response.value(g, t)
-        weights = response.weights(g, t)
-        self.weights = np.zeros(len(rows))
-        np.add.at(self.weights, at, weights)
-        self._vanishing = np.zeros(len(rows), dtype=bool)
-        np.logical_or.at(self._vanishing, at, response.vanishing_weights(g, t, weights))
-
-    def bars(self) -> list[Any]:
-        """Its gradient by the entries of its tape."""
-        weights = self._placed(self.weights)
-        return gradient_of(
-            self._title,
-            self._outputs,
-            self._found,
-            weights,
-            vanishing=lambda: self._placed(self._vanishing),
-        )
-
-    def _placed(self, given: Array) -> Array:
-        """Numbers of its times among all states."""
-        found = np.zeros(len(self._solved.states.t), dtype=given.dtype)
-        found[self._rows] = given
-        return found
-
-    def gradient(self, bars: list[Any]) -> Array:
-        """Its gradient by the parameters (p,), by one adjoint solution."""
-        outputs, system = self._outputs, self._solved.system
-        by, derived = self._solved.zeros(), dict[Any, Any]()
-        by_b, by_c = np.zeros((len(system.b), 1)), np.zeros((self._parameters.c_size, 1))
-        for (kind, n), variable in outputs.inputs.items():
-            bar = bars[variable.at]
-            if kind in KINDS:
-                getattr(by, kind)[:, n, 0] += bar
-            elif kind in ("b", "c"):
-                (by_b if kind == "b" else by_c)[n, 0] += np.sum(bar)
-            else:
-                derived[kind, n] = np.sum(bar)
-        through = self._solved.through_derived(derived, by)
-        found = Moves._make(map(np.add, through, self._solved.gradient(by)))
-        by_b += found.b
-        by_c[: len(found.c)] += found.c
-        whole = self._parameters.gradient(Gradients(by_b, found.q, found.v), by_c)[:, 0]
-        own = {name: float(np.sum(bars[variable.at])) for name, variable in outputs.named.items()}
-        return np.asarray(whole + [own.get(name, 0.0) for name in self._parameters.names])
-
-    def along(self, k: int, change: NodeArrays, moves: Moves) -> Array:
-        """The change of its output with parameter k, which changes the states and what they depend on."""
-        outputs, moved = self._outputs, dict[int, Any]()
-        keys = [key for key in outputs.inputs if key[0] not in (*KINDS, "b", "c")]
-        derived = self._solved.derived_along(keys, change, moves)
-        for (kind, n), variable in outputs.inputs.items():
-            if kind in KINDS:
-                moved[variable.at] = getattr(change, kind)[:, n, 0]
-            elif kind in ("b", "c"):
-                moved[variable.at] = getattr(moves, kind)[n, 0]
-            else:
-                moved[variable.at] = derived[kind, n]
-        name = self._parameters.names[k]
-        moved |= {variable.at: 1.0 for own, variable in outputs.named.items() if own == name}
-        with np.errstate(divide="ignore", invalid="ignore"):  # what is infinite has no weight, or is refused
-            g_dot = outputs.tape.along(moved)[self._found.at]
-        return np.broadcast_to(g_dot, self._solved.states.t.shape)[self._rows]
+    def _collected(
+        self, n: int, bars: list[Any], nodes: Nodes, k: int, *turned: AdjointChange
+    ) -> tuple[Nodes, DirectTerms]:
+        """See `Evaluation`; also those by what is derived from a single state."""
+        nodes, explicit = super()._collected(n, bars, nodes, k, *turned)
+        inputs = self._outputs[n].inputs.items()
+        derived = {key: np.sum(bars[x.at]) for key, x in inputs if key[0] not in (*READ, "b", "c")}
+        moves = self._solved.through_derived(derived, nodes.column(k))
+        explicit.b[:] += moves.b
+        explicit.c[: len(moves.c)] += moves.c
+        return nodes, explicit
 
 
 def _in_panels(response: Response, g: Array) -> tuple[Response, Array]:

@@ -85,15 +85,14 @@ class RestingState(SolvedStates):
         q, lam, v, _ = self._derivatives.whole_along(moves.b)
         found = self.zeros()
         found.q[0], found.lam[0], found.v[0] = q, lam, self._states[:, None] * v
-        self.shorten(found, moves.b)
         return found
 
     def gradient(self, by: NodeArrays) -> Moves:
-        by_b, system = self.unshorten(by), self.system
+        system = self.system
         q, v, lam = by.q[0, :, 0], np.where(self._states, by.v[0, :, 0], 0.0), by.lam[0, :, 0]
         self._derivatives.refuse_moving(q)
         change = np.zeros(system.nq), -lam, np.zeros(system.nq), np.zeros(system.m)
-        return self.no_moves()._replace(b=self._derivatives.adjoint(q, v, change).b[:, None] + by_b)
+        return self.no_moves()._replace(b=self._derivatives.adjoint(q, v, change).b[:, None])
 
 
 class LooseDerivatives(SettledDerivatives):

@@ -11,9 +11,7 @@ from scipy.sparse import csr_array
 
 from ....algebra import Array
 from ....model import SarrusError
-from ....outputs.motion import states_of
-from ....outputs.recording import Angles, States
-from ....results import Equilibrium, Modes, StateSpace, Trajectory
+from ....results import Modes, StateSpace, Trajectory
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...equations.length import lever
@@ -23,11 +21,12 @@ from ..parameters.parameters import Parameters
 from ..responses.responses import Response
 from ..sampling.consistent_states import ConsistentStates, ConsistentSweep
 from ..steps.sweep_loop import NodeArrays
+from .equilibrium_path import EquilibriumPath
 from .linearized_state import linearized_state
 from .modal import ModesAbout, equilibrium_of
 from .responses import ResponsesOfResult
 from .rest import RestingState
-from .solved_states import Moves, SolvedStates
+from .solved_states import Moves, SolvedStates, states_at
 
 AT = 1e-9  # of the time between outputs: nearer to a singular configuration is in it
 
@@ -63,9 +62,7 @@ class DrivenMotion(SolvedStates):
         return np.asarray((gaps <= near).any(axis=1))
 
     def along(self, moves: Moves) -> NodeArrays:
-        found = self._sweep.along({}, moves.b)[0]
-        self.shorten(found, moves.b)
-        return found
+        return self._sweep.along({}, moves.b)[0]
 
     def gradient(self, by: NodeArrays) -> Moves:
         asked = np.any([x.any(axis=(1, 2)) for x in by], axis=0)
@@ -73,24 +70,7 @@ class DrivenMotion(SolvedStates):
             time = self.steps.t[np.argmax(asked & self._singular)]
             message = f"{self.system.name}: the configuration at t = {time:.6g} s is singular"
             raise NoDerivative(f"{message}, and has no derivatives. Take the response at other times.")
-        by_b = self.unshorten(by)
-        return self.no_moves()._replace(b=self._sweep.back(by).b + by_b)
-
-
-def states_at(system: System, run: Trajectory, rows: Array) -> tuple[States, Array, Angles]:
-    """The states of a run at some of its times, what elements remember there, and its angles."""
-    whole, lam = states_of(run), np.asarray(run.lam)[rows]
-    t, q, v, a = (x[rows] for x in whole[:4])
-    chosen = States(t, q, v, a, lambda: lam)
-    counted = len(run.revolutions) == len(run.t)
-    angles = Angles(system, whole, revolutions=run.revolutions if counted else None)
-    places = len(system.memory_places)
-    memory = (
-        run.memory[rows]
-        if run.memory.shape[1] == places
-        else np.tile(system.b[system.memory_places], (len(rows), 1))
-    )
-    return chosen, memory, angles
+        return self.no_moves()._replace(b=self._sweep.back(by).b)
 
 
 class TimePoint(NamedTuple):
@@ -136,23 +116,21 @@ class RequiredForces(SolvedStates):
         found = self.zeros()
         for n, at in enumerate(self._times):
             found.lam[n, :, 0] = at.space.multipliers((at.by_b @ moves.b)[:, 0])
-        self.shorten(found, moves.b)
         return found
 
     def gradient(self, by: NodeArrays) -> Moves:
-        by_b = self.unshorten(by)
+        moves = self.no_moves()
         for n in np.flatnonzero(by.lam.any(axis=(1, 2))).tolist():
             at = self._times[n]
-            by_b = by_b + at.by_b.T @ at.space.change(by.lam[n])
-        return self.no_moves()._replace(b=by_b)
+            moves.b[:] += at.by_b.T @ at.space.change(by.lam[n])
+        return moves
 
 
-MOTIONS = {"kinematics": DrivenMotion, "inverse dynamics": RequiredForces}
-
-
-def is_solved(result: Any) -> bool:
-    """Whether this is a result that equations determine, and not a simulated run."""
-    return isinstance(result, Equilibrium | Modes | StateSpace) or getattr(result, "analysis", "") in MOTIONS
+MOTIONS: dict[str, type[DrivenMotion | RequiredForces | EquilibriumPath]] = {
+    "kinematics": DrivenMotion,
+    "inverse dynamics": RequiredForces,
+    "equilibria": EquilibriumPath,
+}
 
 
 def responses_of_result(

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from ....algebra import Array
-from ....outputs import Outputs
+from ....outputs.motion import states_of
 from ....outputs.recording import Angles, Key, States
-from ....results import Assembly, Modes, StateSpace, StepsTaken
+from ....results import Assembly, Modes, StateSpace, StepsTaken, Trajectory
 from ....system import System
 from ...redundancy.redundant_constraints import Independence
+from ..chain.chain import Nodes
+from ..parameters.contradictions import contradicted, contradictions
 from ..parameters.parameters import Parameters
-from ..parameters.singular_start import contradicted, contradictions
-from ..sampling.reported import Reporter
+from ..sampling.sampling import Sampling
+from ..sampling.segments import Instants
 from ..steps.sweep_loop import NodeArrays
 
 KINDS = ("q", "v", "a", "lam")
@@ -33,6 +36,10 @@ class Moves(NamedTuple):
     q: Array
     v: Array
     c: Array
+
+    def column(self, k: int) -> Moves:
+        """One of several columns."""
+        return Moves._make(np.ascontiguousarray(x[:, k : k + 1]) for x in self)
 
 
 class Slopes(NamedTuple):
@@ -75,42 +82,35 @@ class SolvedStates(ABC):
     about: StateAnalysis | None = None  # what is derived from the state, where this is the result
 
     def __init__(self, system: System, states: States, memory: Array, angles: Angles | None = None) -> None:
-        self.system, self.states, self.memory, self._angles = system, states, memory, angles
+        self.system, self.states, self.memory = system, states, memory
+        self.angles = angles or Angles(system, states)
         self.steps = as_steps(system, states, memory, system.b, _left_out(system, states.t, states.q))
-        self.reported = Reporter(system, self.steps, moving=False)
 
     @abstractmethod
     def along(self, moves: Moves) -> NodeArrays:
-        """The changes of the states."""
+        """The changes of the states, with those of any multipliers of redundant constraints."""
 
     @abstractmethod
     def gradient(self, by: NodeArrays) -> Moves:
-        """The gradients of what has these gradients by the states."""
+        """The gradients of what has these gradients by the states, with the same multipliers."""
 
     def undefined(self, parameters: Parameters) -> Array:
         """True for parameters whose change alone makes redundant constraints contradict each other."""
         system, (t, q, *_) = self.system, self.states
-        if not self.reported.redundant:
+        if not self.steps.left_out.any():
             return np.zeros(len(parameters.names), dtype=bool)
         rows = np.unique(np.linspace(0, len(t) - 1, LOOKS).astype(int))
         sums = np.concatenate([contradictions(system, system.b, t[n], q[n]) for n in rows], axis=1)
         return contradicted(parameters, sums, np.zeros((system.nq, sums.shape[1])))
 
-    def outputs(self, parameters: Parameters) -> Outputs:
-        """The outputs of the states, recorded."""
-        memory = dict(zip(self.system.memory_places.tolist(), self.memory.T, strict=False))
-        found = Outputs(self.system, self.states, self.system.b, parameters.number, self._angles, memory)
-        found.about = self.about.result if self.about else None
-        return found
-
-    def derived_along(self, keys: list[Key], change: NodeArrays, moves: Moves) -> dict[Key, float]:
+    def derived_along(self, keys: list[Key], change: NodeArrays, moves: Moves) -> dict[Key, Array]:
         """The changes of what is derived from the state, by key."""
-        found = dict[Key, float]()
+        found = dict[Key, Array]()
         for key in keys:
             assert self.about
             by = self.about.gradient(key, 1.0)
             states = sum(float(getattr(by, name) @ getattr(change, name)[0, :, 0]) for name in KINDS)
-            found[key] = float(states + by.b @ moves.b[:, 0] + by.c @ moves.c[: len(by.c), 0])
+            found[key] = np.array([states + by.b @ moves.b[:, 0] + by.c @ moves.c[: len(by.c), 0]])
         return found
 
     def through_derived(self, bars: Mapping[Key, Any], by: NodeArrays) -> Moves:
@@ -136,13 +136,56 @@ class SolvedStates(ABC):
         widths = (self.system.nq, self.system.nq, self.system.nq, self.system.m)
         return NodeArrays._make(np.zeros((len(self.states.t), width, 1)) for width in widths)
 
-    def shorten(self, change: NodeArrays, db: Array) -> None:
-        """Turn changes of multipliers of redundant constraints into those of the least ones."""
-        change.lam[:] = self.reported.along(change, db, np.zeros((len(change.lam), 1)))
 
-    def unshorten(self, by: NodeArrays) -> Array:
-        """Turn gradients by the least multipliers into those by any; that by the parameters (len(b), 1)."""
-        return self.reported.transposed(by, np.zeros((len(by.lam), 1)))
+class StatesAt(Sampling):
+    """Some of the states, by their places, as responses read them."""
+
+    def __init__(self, solved: SolvedStates, rows: Array) -> None:
+        self._solved, self._rows, t = solved, rows, solved.states.t[rows]
+        super().__init__(solved.steps, Instants(t, np.zeros(len(t), np.int64), np.zeros(len(t))))
+
+    @property
+    def nodes_of_multipliers(self) -> Array:
+        return self._rows
+
+    @property
+    def memory(self) -> dict[int, Array]:
+        places, rows = self._solved.system.memory_places, self._rows
+        return dict(zip(places.tolist(), self._solved.memory[rows].T, strict=False))
+
+    def lam(self) -> Array:
+        return np.asarray(self._solved.states.lam()[self._rows])
+
+    def _new_map(self, kind: str, order: int) -> dict[str, csr_array]:
+        rows, count = self._rows, len(self._solved.states.t)
+        each = np.arange(len(rows))
+        return {kind: csr_array((np.ones(len(rows)), (each, rows)), shape=(len(rows), count))}
+
+    def all_gathered(
+        self, keys: Iterable[Key], nodes: Nodes, b: Array, c: Array, column: int
+    ) -> dict[Key, Array]:
+        """See `Sampling`; also the changes of what is derived from a single state."""
+        wanted = list(keys)
+        found = super().all_gathered([key for key in wanted if key[0] in KINDS], nodes, b, c, column)
+        moves = self._solved.no_moves()._replace(b=b[:, column : column + 1], c=c[:, column : column + 1])
+        derived = [key for key in wanted if key[0] not in KINDS]
+        return found | self._solved.derived_along(derived, nodes.column(column), moves)
+
+
+def states_at(system: System, run: Trajectory, rows: Array) -> tuple[States, Array, Angles]:
+    """The states of a run at some of its times, what elements remember there, and its angles."""
+    whole, lam = states_of(run), np.asarray(run.lam)[rows]
+    t, q, v, a = (x[rows] for x in whole[:4])
+    chosen = States(t, q, v, a, lambda: lam)
+    counted = len(run.revolutions) == len(run.t)
+    angles = Angles(system, whole, revolutions=run.revolutions if counted else None)
+    places = len(system.memory_places)
+    memory = (
+        run.memory[rows]
+        if run.memory.shape[1] == places
+        else np.tile(system.b[system.memory_places], (len(rows), 1))
+    )
+    return chosen, memory, angles
 
 
 def as_steps(system: System, states: States, memory: Array, b: Array, left_out: Array) -> StepsTaken:

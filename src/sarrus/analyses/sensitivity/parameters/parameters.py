@@ -18,16 +18,14 @@ from ....algebra import Array
 from ....model import Model, SarrusError
 from ....model.expansion.blueprint import blueprint
 from ....model.expression import Call, Expression, Number
-from ....model.laws.formulas import Formulas
 from ....model.quantity import is_list
 from ....model.show import suggest
 from ....model.tape import Tape, Tracer, value_of
 from ....model.written import (
     exchanged,
-    in_functions,
+    following_numbers,
     named,
     numbers_in_jumps,
-    steps_of,
     with_numbers,
     written_numbers,
 )
@@ -110,12 +108,20 @@ class Parameters:
             return [name]
         if name in self._element_numbers or name in self.restitutions or name.startswith(GUESS):
             return [name]
-        found = [known for known in self._numbers if known.startswith(f"{name}.")]
+        found = self._in_group(name)
         if not found:
             _refuse_default(self.system, name)
             known = [*self._design, *self._known, *self.system.model.parameters, *self.restitutions]
             raise UnknownParameter(f"{self.system.name} has no parameter {name!r}. {suggest(name, known)}")
         return found
+
+    def _in_group(self, name: str) -> list[str]:
+        """The three coordinates of a hardpoint, those of all hardpoints, or the numbers of a field."""
+        hardpoints = self.system.model.formulas.hardpoints
+        if name == "hardpoints" or name in hardpoints:
+            points = [name] if name in hardpoints else [*hardpoints]
+            return [f"{point}.{axis}" for point in points for axis in "xyz"]
+        return [known for known in self._numbers if known.startswith(f"{name}.")]
 
     def _value(self, name: str) -> float:
         if name in self._design:
@@ -139,6 +145,15 @@ class Parameters:
         for name in found.keys() & {f"rates.{name}" for name in self.system.model.rates}:
             found[name] = product((find_output(self.system, name.partition(".")[2]).unit, 1), ("s", -1))
         return tuple("" if name in self._design else unit for name, unit in found.items())
+
+    @property
+    def table_units(self) -> tuple[str, ...]:
+        """The units in which tables show them: those of hardpoints, and empty for others."""
+        hardpoints, own = self.system.model.formulas.hardpoints, self.system.model.parameters
+        found = (hardpoints.get(name.rpartition(".")[0], "") if name in own else "" for name in self.names)
+        return tuple(
+            "" if name in self._design else unit for name, unit in zip(self.names, found, strict=True)
+        )
 
     @cached_property
     def _element_numbers(self) -> dict[str, int]:
@@ -178,11 +193,10 @@ class Parameters:
         for first, whole, own in ((size, plan.q, self._own_q), (size + system.nq, plan.v, self._own_v)):
             for k, value in enumerate(whole if own else ()):
                 note(first + k, value)
-        for place, value in places_of(
-            system.joint_coordinates.populations, plan.coordinates, system.joint_coordinates.b
-        ):
-            note(size + 2 * system.nq + place, value)
-        first = size + 2 * system.nq + len(system.joint_coordinates.b)
+        joints, first = system.joint_coordinates, size + 2 * system.nq
+        for place, value in places_of(joints.populations, plan.coordinates, joints.b):
+            note(first + place, value)
+        first += len(joints.b)
         struck = [self._struck.get(name) for name in self.restitutions]
         for place, value in enumerate([*(model.rates.get(name) for name in self.rates), *struck]):
             note(first + place, value)
@@ -240,16 +254,8 @@ class Parameters:
         formulas = self.system.model.formulas
         values = self._of_file(given)
         own = {n: v for n, v in given.items() if n in values and n in formulas.parameters}
-        if not own:
-            return {}
-        moving = {name for name in formulas.definitions if _depends(formulas, name, own)}
-        self._refuse_exponents(moving)
-        inside = in_functions(self.system.model).items()
-        return {name: values[parameter] for name, parameter in inside if parameter in moving} | {
-            named(steps_of(path)): tree.value(values)
-            for path, tree in formulas.expressions.items()
-            if path[0] not in ("parameters", "points") and moving.intersection(tree.names())
-        }
+        self._refuse_exponents(formulas.following(own))
+        return following_numbers(self.system.model, own)
 
     def _from_design(self, given: Mapping[str, Any]) -> dict[str, Any]:
         if self._formula is None:
@@ -275,17 +281,12 @@ class Parameters:
             For numbers of elements and of the start, which are no parameters of the model.
         """
         given = {name: float(value) for name, value in zip(self.names, values, strict=True)}
-        for name in given:
-            if (
-                name not in self._design
-                and name not in self._known
-                and name not in self.system.model.parameters
-                and name not in self.restitutions
-            ):
-                raise UnknownParameter(
-                    f"{name} is no parameter of the model. Choose from {', '.join([*self._known][:5])} ..."
-                )
         model = self.system.model
+        parameters = {*self._design, *self._known, *model.parameters, *self.restitutions}
+        if name := next((name for name in given if name not in parameters), None):
+            raise UnknownParameter(
+                f"{name} is no parameter of the model. Choose from {', '.join([*self._known][:5])} ..."
+            )
         own = {name: value for name, value in given.items() if name in model.parameters}
         places = {name: x for name, x in self._places(given).items() if name not in self.restitutions}
         return with_numbers(replace(model, formulas=model.formulas.with_values(own)), places)
@@ -328,14 +329,12 @@ class Parameters:
 
     def _refuse_other(self, found: Mapping[str, Any]) -> None:
         """The model must be the one that the design describes."""
+        numbers = {**self._numbers, **self.restitutions}
         for name, entry in found.items():
-            if name not in self._numbers and name not in self.restitutions:
-                message = (
-                    f"{name} follows from a formula, but is no number that derivatives can be taken through"
-                )
+            if name not in numbers:
+                message = f"{name} follows from a formula, but is no number that has derivatives"
                 raise UnknownParameter(f"{message}. Leave out the parameters that it depends on.")
-            own = self.restitutions[name] if name in self.restitutions else self._numbers[name]
-            given = float(value_of(entry))
+            own, given = numbers[name], float(value_of(entry))
             if abs(given - own) > SAME * max(1.0, abs(own)):
                 message = f"the design gives {given:.9g} for {name}, but the model has {own:.9g}"
                 raise UnknownParameter(
@@ -459,11 +458,6 @@ def _refuse_incomplete(design: Mapping[str, Any], formula: Design | None) -> Non
             raise UnknownParameter(
                 f"design variable {name!r} must be a finite number, but is {value!r}. Replace it."
             )
-
-
-def _depends(formulas: Formulas, name: str, on: Mapping[str, Any]) -> bool:
-    """Whether a name of a file is one of some others, or follows from them."""
-    return name in on or any(_depends(formulas, own, on) for own in formulas.definitions[name].names())
 
 
 def _entries(name: str, value: Any, known: Mapping[str, float]) -> list[tuple[str, Any]]:

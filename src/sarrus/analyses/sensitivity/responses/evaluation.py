@@ -10,7 +10,6 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ....algebra import Array
-from ....model.announcement import announce
 from ....model.tape import Tracer
 from ....outputs import Outputs
 from ....outputs.recording import Angles, Key
@@ -28,7 +27,6 @@ from ..sampling.segments import (
     at_event,
     course_of,
     fixed,
-    nodes_of,
 )
 from .panels import ABOUT, PARTS, Layout, Panels, Steps, between_kinks
 from .responses import AtEvent, ExtremeValue, Integral, Response, of_whole_run
@@ -42,17 +40,8 @@ from .undefined import (
 )
 
 MOTION = ("a", "lam")
-AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
 # Of the slopes of an output on both sides of a kink: those of round-off differ by no more
 TOUCHES = 1e-7
-ONE_SIDED = (
-    "its function has a kink there (abs, max, min or clip), so that its derivative is that of one side only. Move the "
-    "time, or use a smooth function"
-)
-UNSPLIT = (
-    "its function has kinks within the run (abs, max, min or clip), and steps are not split there unless the states of "
-    "the run are stored. Use simulate(..., store_steps=True) and sensitivity(), or a smooth function"
-)
 
 
 @dataclass(frozen=True)
@@ -64,28 +53,22 @@ class DirectTerms:
     named: list[dict[str, float]]
 
 
-def placed(course: Course, response: Response, halved: bool = False) -> tuple[Response, Instants]:
-    """A response and where it is sampled: at its times, or at fixed points of each step; twice as many if `halved`."""
+Where: TypeAlias = "Instants | Panels"
+
+
+def placed(course: Course, response: Response) -> Where:
+    """Where a response is sampled: at its times, or in all steps."""
     try:
         if isinstance(response, AtEvent):
-            return response, at_event(course, response.event, response.number, response.after)
+            return at_event(course, response.event, response.number, response.after)
         times = response.times(course.times)
         if times is not None:
-            return response, fixed(course, times)
+            return fixed(course, times)
     except NoSample as wrong:
         raise NoSample(f"{response.title}: {wrong}") from None
     steps = Steps.of(course)
-    panels = Panels.every(steps).halves() if halved else Panels.every(steps)
-    return replace(response, reported=READ if halved else ()), panels.where(steps)
-
-
-def about_extreme(course: Course, response: ExtremeValue, g: Array, precise: bool) -> tuple[Response, Panels]:
-    """An extreme in the panels on both sides of the outermost sample of an output `g` of all steps.
-
-    Of reported states; those between the nodes of methods of order two are smooth in q and v.
-    """
-    own = replace(response, layout=Layout(size=len(ABOUT)), reported=READ if precise else MOTION)
-    return own, Steps.of(course).about(response.outermost(g))
+    panels = Panels.some(slice(0, len(steps.end)))
+    return panels.where(steps) if response.pointwise else panels
 
 
 Taken: TypeAlias = tuple[Response, Sampling, Outputs, Tracer]
@@ -112,7 +95,11 @@ class Evaluation:
     responses : evaluated in this order
     parameters : whose numbers responses may use
     angles : with their revolutions; by default counted along all nodes of the run
-    samplings : where each response is sampled; by default see `placed`
+    where : each response is sampled; by default see `placed`
+
+    Attributes
+    ----------
+    outermost : the sample of each extreme, not a number for other responses (r,)
     """
 
     def __init__(
@@ -122,7 +109,7 @@ class Evaluation:
         responses: Sequence[Response],
         parameters: Parameters,
         angles: Angles | None = None,
-        samplings: Sequence[Sampling] | None = None,
+        where: Sequence[Where] | None = None,
     ) -> None:
         self._precise = (steps.segments[0] if isinstance(steps, Segments) else steps).precise
         self._system, self._steps, self._parameters = system, steps, parameters
@@ -130,44 +117,54 @@ class Evaluation:
         self._samplings, self._outputs = list[Sampling](), list[Outputs]()
         self._responses, self._found = list[Response](), list[Tracer]()
         self._panels = list[Panels | None]()
-        self._reported = Reporter(system, steps)
-        if samplings is None:
+        self._reported, self.outermost = Reporter(system, steps), np.full(len(responses), np.nan)
+        if where is None:
             responses = [of_whole_run(system, response) for response in responses]
-        for n, response in enumerate(responses):
-            self._add(response, samplings[n] if samplings else None)
+            where = [placed(course_of(steps), response) for response in responses]
+        for response, own in zip(responses, where, strict=True):
+            self._add(response, own)
         responses = self._responses
         self.signals = [*map(self._signal, self._samplings, self._found)]
         self.values = np.array(
             [r.value(g, s.t) for r, g, s in zip(responses, self.signals, self._samplings, strict=True)]
         )
 
-    def _add(self, response: Response, given: Sampling | None) -> None:
+    def _add(self, response: Response, where: Where) -> None:
         """Evaluate one more response; an integral in parts of steps between its kinks, an extreme about its place."""
-        course, own, where = course_of(self._steps), response, given
-        if where is None:
-            own, at = placed(course, response)
-            where = Sampling(self._steps, at)
-        taken, panels = (own, *self._evaluated(own, where)), None
-        _, _, outputs, found = taken
-        if given:
-            self._warn_of_changes(response, outputs)
-        elif response.pointwise:
-            self._warn_of_zeros(response, outputs)
-        elif isinstance(own, ExtremeValue):
-            g = self._signal(where, found)
-            if not {kind for kind, _ in outputs.inputs}.isdisjoint(MOTION):
-                g = self._at_summits(own, g)
-            own, near = about_extreme(course, own, g, self._precise)
-            where = Sampling(self._steps, near.where(self._course, ABOUT))
-            taken = self._between_kinks((own, *self._evaluated(own, where)), near, ABOUT)[0]
+        panels: Panels | None = None
+        if isinstance(where, Instants):
+            taken = response, *self._evaluated(response, Sampling(self._steps, where))
+        elif isinstance(response, ExtremeValue):
+            taken = self._about(response, where)
         else:
-            taken, panels = self._between_kinks(taken, Panels.every(self._course), PARTS)
+            taken, panels = self._between_kinks(replace(response, reported=()), where, PARTS)
+        self._append(*taken)
         self._panels.append(panels)
-        own, where, outputs, found = taken
-        self._responses.append(own)
-        self._samplings.append(where)
+
+    def _append(self, response: Response, sampling: Sampling, outputs: Outputs, found: Tracer) -> None:
+        self._responses.append(response)
+        self._samplings.append(sampling)
         self._outputs.append(outputs)
         self._found.append(found)
+
+    def _about(self, response: ExtremeValue, where: Panels) -> Taken:
+        """An extreme in the panels on both sides of the outermost sample of some steps.
+
+        Of reported states; those between the nodes of methods of order two are smooth in q and v.
+        """
+        raw, every = replace(response, reported=()), where.where(self._course)
+        sampling, outputs, found = self._evaluated(raw, Sampling(self._steps, every))
+        g = self._signal(sampling, found)
+        if not {kind for kind, _ in outputs.inputs}.isdisjoint(MOTION):
+            g = self._at_summits(raw, every, g)
+        if not self._course.last[where.step[-1]]:  # the steps behind begin with the last sample
+            g = g[:-1]
+        sample = response.outermost(g)
+        self.outermost[len(self._responses)] = g[sample]
+        near = self._course.about(len(PARTS) * int(where.step[0]) + sample)
+        kinds = READ if self._precise else MOTION
+        own = replace(response, layout=Layout(size=len(ABOUT)), reported=kinds)
+        return self._between_kinks(own, near, ABOUT)[0]
 
     @cached_property
     def _course(self) -> Steps:
@@ -178,14 +175,15 @@ class Evaluation:
         """An output at its times (nt,)."""
         return np.broadcast_to(np.asarray(found.value, dtype=float), where.t.shape)
 
-    def _between_kinks(self, taken: Taken, panels: Panels, parts: Array) -> tuple[Taken, Panels]:
+    def _between_kinks(self, response: Response, panels: Panels, parts: Array) -> tuple[Taken, Panels]:
         """A response in panels that are split at its kinks."""
-        own, where, outputs, _ = taken
+        where = Sampling(self._steps, panels.where(self._course, parts))
+        where, outputs, found = self._evaluated(response, where)
         if not outputs.tape.kinks:
-            return taken, panels
-        values, arguments = _arguments(where, outputs), partial(self._arguments, own)
+            return (response, where, outputs, found), panels
+        values, arguments = _arguments(where, outputs), partial(self._arguments, response)
         panels = between_kinks(self._course, panels, values, parts, arguments)
-        return self._in_panels(own, panels, parts), panels
+        return self._in_panels(response, panels, parts), panels
 
     def _in_panels(self, response: Response, panels: Panels, parts: Array) -> Taken:
         """A response between its kinks, on each side of which absolute values have one sign."""
@@ -199,8 +197,8 @@ class Evaluation:
         where = Sampling(self._steps, panels.where(steps, parts))
         return own, *self._evaluated(own, where, list(np.repeat(sides, len(parts), axis=1)))
 
-    def _at_summits(self, response: ExtremeValue, g: Array) -> Array:
-        """An output of all steps (nt,) as it is reported at summits of all samples and of the nodes; the least between.
+    def _at_summits(self, response: ExtremeValue, where: Instants, g: Array) -> Array:
+        """An output (nt,) as it is reported at summits of all samples and of the nodes; the least between.
 
         In long steps that accelerations or reactions do not bound, those between the nodes may be far off.
         """
@@ -208,7 +206,6 @@ class Evaluation:
         parts = every, np.flatnonzero(np.isin(every % len(PARTS), (0, len(PARTS) - 1)))
         found = np.full(len(g), -response.sign * np.inf)
         rows = np.unique(np.concatenate([part[_summits(own[part])] for part in parts]))
-        where = Panels.every(self._course).where(self._course)
         there = Sampling(self._steps, Instants(*(x[rows] for x in where)))
         at, _, output = self._evaluated(replace(response, reported=READ), there)
         exact = self._signal(at, output)
@@ -251,27 +248,11 @@ class Evaluation:
         if self._reported.redundant and not isinstance(sampling, ConsistentSampling):
             sampling.reported = self._reported
         number, memory = self._parameters.number, sampling.memory
-        return Outputs(self._system, sampling.states, self._steps.b, number, self._angles, memory, sides)
+        return Outputs(self._system, sampling, self._steps.b, number, self._angles, memory, sides)
 
     def _arguments(self, response: Response, where: Instants) -> list[Array]:
         """Return the arguments of absolute values at given times."""
         return _arguments(*self._evaluated(response, Sampling(self._steps, where))[:2])
-
-    def _warn_of_zeros(self, response: Response, outputs: Outputs) -> None:
-        """Warn of derivatives at a kink."""
-        if not outputs.tape.kinks:
-            return
-        whole = self._arguments(response, nodes_of(course_of(self._steps)))
-        there = (np.asarray(outputs.tape.values[at]) for at in outputs.tape.kinks)
-        if any(np.any(abs(x) <= AT_KINK * abs(every).max()) for x, every in zip(there, whole, strict=True)):
-            announce([f"{response.title}: {ONE_SIDED}"])
-
-    def _warn_of_changes(self, response: Response, outputs: Outputs) -> None:
-        """Warn of kinks in the part of a run with the given samples."""
-        if not response.pointwise and any(
-            np.any(np.diff(np.sign(outputs.tape.values[at])) != 0) for at in outputs.tape.kinks
-        ):
-            announce([f"{response.title}: {UNSPLIT}"])
 
     def gradients(self) -> tuple[Nodes, DirectTerms]:
         """The gradients of all responses, one column each."""
@@ -335,8 +316,8 @@ class Evaluation:
     ) -> list[Any]:
         """The change of everything on a response's tape with column k of the changes."""
         outputs, changes = self._outputs[n], {}
-        states = [key for key in outputs.inputs if key[0] in READ]
-        moved = self._samplings[n].all_gathered(states, dots, b, k)
+        states = [key for key in outputs.inputs if key[0] not in ("b", "c")]
+        moved = self._samplings[n].all_gathered(states, dots, b, c, k)
         for (kind, place), variable in outputs.inputs.items():
             numbers = {"b": b, "c": c}.get(kind)
             changes[variable.at] = moved[kind, place] if numbers is None else numbers[place, k]
@@ -350,26 +331,20 @@ class Evaluation:
         self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]
     ) -> tuple[Nodes, DirectTerms]:
         """The change of the gradient of response n, with changes of states and numbers in one column."""
-        response, outputs, sampling, g = (
-            self._responses[n],
-            self._outputs[n],
-            self._samplings[n],
-            self.signals[n],
-        )
+        response, outputs = self._responses[n], self._outputs[n]
+        sampling, g = self._samplings[n], self.signals[n]
         of_steps, reported = dots, self._reported.redundant and self._asks_for_method(n)
         dots = self._with_reported(dots, b)
         found, along = self._found[n], self._tape_along(n, dots, b, c, named, 0)
         t, still = sampling.t, np.zeros(len(sampling.t))
         t_dot, weights = sampling.gathered_time(dots, 0) if sampling.moves else still, response.weights(g, t)
-        g_dot = change_with_weight(
-            response.title,
-            weights,
-            np.broadcast_to(np.asarray(along[found.at], dtype=float), g.shape),
-            partial(response.weights_along, g, t, t_dot=still),
-            lambda lost: (
-                rests(outputs, along, lost, sampling.moves) and is_quadratic(outputs, lost, sampling.moves)
-            ),
-        )
+        moved, moves = np.broadcast_to(np.asarray(along[found.at], dtype=float), g.shape), sampling.moves
+
+        def smooth(lost: Array) -> bool:
+            return rests(outputs, along, lost, moves) and is_quadratic(outputs, lost, moves)
+
+        by_output = partial(response.weights_along, g, t, t_dot=still)
+        g_dot = change_with_weight(response.title, weights, moved, by_output, smooth)
         turned = response.weights_along(g, t, g_dot, t_dot) + self._through_kinks(n, g_dot)
         bars, change = change_of_gradient(
             response.title, outputs, found, (weights, turned), along, sampling.moves
@@ -422,7 +397,7 @@ class Evaluation:
     def _rate(self, n: int) -> Array:
         """The derivative of a response's output by the time, along the motion (nt,)."""
         outputs, sampling, moved = self._outputs[n], self._samplings[n], dict[int, Any]({})
-        rates = {"q": sampling.states.v, "v": sampling.states.a}
+        rates = {"q": sampling.v, "v": sampling.a}
         if any(kind in ("a", "lam") for kind, _ in outputs.inputs):
             if not isinstance(sampling, ConsistentSampling):
                 sampling = ConsistentSampling(self._system, self._steps, sampling)

@@ -67,9 +67,10 @@ class Panels(NamedTuple):
     high: Array
 
     @classmethod
-    def every(cls, steps: Steps) -> Panels:
-        count = len(steps.end)
-        return cls(np.arange(count), np.zeros(count), np.ones(count))
+    def some(cls, chosen: slice) -> Panels:
+        """Some steps."""
+        step = np.arange(chosen.start, chosen.stop)
+        return cls(step, np.zeros(len(step)), np.ones(len(step)))
 
     def halves(self) -> Panels:
         middle = 0.5 * (self.low + self.high)

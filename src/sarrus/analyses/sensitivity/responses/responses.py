@@ -7,13 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import count
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from ....algebra import Array
+from ....model.checks.arguments import CHECKS, in_seconds
+from ....model.checks.calls import CallCheck
 from ....model.registry import described
 from ....model.tape import Tracer
 from ....outputs import Outputs, UnknownOutput, find_output
@@ -26,7 +28,7 @@ Output: TypeAlias = str | Callable[[Any], Any]
 
 
 @dataclass(frozen=True, eq=False)
-class Response:
+class Response(metaclass=CallCheck):
     """Base class of responses.
 
     Parameters
@@ -67,6 +69,15 @@ class Response:
     def pointwise(self) -> bool:
         """Whether it is of the output at single times, not of its whole history."""
         return True
+
+    @property
+    def additive(self) -> bool:
+        """Whether it is a sum over its times or steps, each of which may be evaluated apart."""
+        return False
+
+    def part(self, rows: Array) -> Response:
+        """Return the response at some of its times, if it is additive (nt,)."""
+        return self
 
     @property
     def output_label(self) -> str:
@@ -130,6 +141,10 @@ class Response:
 class OneValue:
     """The value and the weights of a response that is an output at one time."""
 
+    @property
+    def additive(self) -> bool:
+        return True
+
     def value(self, g: Array, t: Array) -> float:
         return float(g[0])
 
@@ -159,17 +174,16 @@ class At(OneValue, Response):
 
     Parameters
     ----------
-    time : [s], within the run
+    time : [s], or a text such as "50 ms", within the run
     """
 
     time: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if np.ndim(self.time) or not np.isfinite(self.time):
-            raise ValueError(
-                f"{self.output_label}: time must be one number of seconds, but is {self.time}. Give a time of the run."
-            )
+        time = in_seconds("time", self.time)
+        CHECKS["t"](f"{self.output_label}: time", time)
+        object.__setattr__(self, "time", float(time))
 
     @property
     def title(self) -> str:
@@ -214,6 +228,10 @@ class Integral(Response):
     @property
     def pointwise(self) -> bool:
         return False
+
+    @property
+    def additive(self) -> bool:
+        return True
 
     def value(self, g: Array, t: Array) -> float:
         return float(self.weights(g, t) @ g)
@@ -301,12 +319,12 @@ class Misfit(Response):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not len(self.at) == len(self.data) > 0:
-            message = f"{len(self.at)} times and {len(self.data)} data"
-            raise ValueError(f"{self.title}: there are {message}. Give one measured number for each time.")
         for what, given in (("times", self.at), ("data", self.data)):
-            if not np.isfinite(np.asarray(given, dtype=float)).all():
-                raise ValueError(f"{self.title}: its {what} are not all finite numbers. Leave gaps out.")
+            CHECKS["times"](f"{self.title}: its {what}", given)
+        times, data = np.shape(self.at), np.shape(self.data)
+        if len(times) != 1 or times != data or times == (0,):
+            message = f"its times have the shape {times} and its data {data}"
+            raise ValueError(f"{self.title}: {message}. Give a list with one measured number for each time.")
         if not (np.isfinite(self.sigma) and self.sigma > 0):
             raise ValueError(
                 f"{self.title}: sigma must be greater than 0, but is {self.sigma:g}. "
@@ -318,6 +336,14 @@ class Misfit(Response):
 
     def times(self, t: Array) -> Array | None:
         return np.asarray(self.at, dtype=float)
+
+    @property
+    def additive(self) -> bool:
+        return True
+
+    def part(self, rows: Array) -> Misfit:
+        at, data = (np.asarray(x)[rows].tolist() for x in (self.at, self.data))
+        return replace(self, at=at, data=data)
 
     def residuals(self, g: Array) -> Array:
         """(output - data) / sigma (nt,)."""

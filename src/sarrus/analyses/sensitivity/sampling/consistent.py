@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....outputs.recording import Key, States
+from ....outputs.recording import Key
 from ....results import Segments, StepsTaken
 from ....system import System
 from ....system.curves.time_derivatives import timed
@@ -98,7 +98,7 @@ class ConsistentSampling(Sampling):
     @cached_property
     def _record(self) -> ConsistentStates:
         """The consistent states, and what they are made of."""
-        before, system, t, between = self._of.states, self._system, self.t, self._of.between_nodes
+        before, system, t, between = self._of, self._system, self.t, self._of.between_nodes
         q, v, a, lam = (np.zeros((len(t), n)) for n in (system.nq, system.nq, system.nq, system.m))
         left_out, memory = np.zeros(lam.shape), np.zeros((len(t), len(system.memory_places)))
         for segment, rows in self._rows:
@@ -115,9 +115,23 @@ class ConsistentSampling(Sampling):
         )  # fmt: skip
 
     @cached_property
-    def states(self) -> States:
-        record = self._record
-        return States(record.t, record.q, record.v, record.a, lambda: record.lam)
+    def q(self) -> Array:
+        """Coordinates there (nt, nq)."""
+        return self._record.q
+
+    @cached_property
+    def v(self) -> Array:
+        """Velocities there (nt, nq)."""
+        return self._record.v
+
+    @cached_property
+    def a(self) -> Array:
+        """Accelerations there (nt, nq)."""
+        return self._record.a
+
+    def lam(self) -> Array:
+        """Multipliers there (nt, m)."""
+        return self._record.lam
 
     @cached_property
     def _solved(self) -> ConsistentStates:
@@ -163,7 +177,9 @@ class ConsistentSampling(Sampling):
         found, _ = sweep.along({"q0": q, "q": q, "v": v}, still, ones)
         return found._replace(lam=self._least(depends).along(found, still, ones[:, None]))
 
-    def all_gathered(self, keys: Iterable[Key], nodes: Nodes, b: Array, column: int) -> dict[Key, Array]:
+    def all_gathered(
+        self, keys: Iterable[Key], nodes: Nodes, b: Array, c: Array, column: int
+    ) -> dict[Key, Array]:
         """See `Sampling`."""
         found = self.along(nodes, b[:, column : column + 1], column).found
         return {(kind, n): getattr(found, kind)[:, n, 0] for kind, n in keys}

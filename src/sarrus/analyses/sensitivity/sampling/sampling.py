@@ -10,7 +10,7 @@ Events move the nodes that follow, see `segments`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import accumulate
 from typing import Any, NamedTuple
 
@@ -18,7 +18,7 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array
 
 from ....algebra import Array
-from ....outputs.recording import Angles, Key, States
+from ....outputs.recording import Angles, Key
 from ....results import Segments, StepsTaken
 from ....results.motion.steps import segments_of
 from ....system import System
@@ -46,6 +46,8 @@ ROUND = 1e-9  # [-] of a step, within which a time is a node's
 
 class Sampling:
     """The states at some times of a run, at all its nodes by default; events move times, and the nodes behind them.
+
+    Each kind of states is computed when it is read.
 
     Parameters
     ----------
@@ -171,15 +173,24 @@ class Sampling:
         """The nodes that λ at the times is made of."""
         return np.arange(self._begins[-1]) if self._every else np.unique(self._stencil.nodes)
 
-    @property
-    def states(self) -> States:
-        """The states there; they are not stored, as their `lam` refers to this object, which holds all steps."""
-        return States._make([self.t, *self._motion, partial(self._at_times, "lam")])
+    @cached_property
+    def q(self) -> Array:
+        """Coordinates there (nt, nq)."""
+        return self._at_times("q")
 
     @cached_property
-    def _motion(self) -> list[Array]:
-        """q, v and a there."""
-        return [self._at_times(kind) for kind in KINDS]
+    def v(self) -> Array:
+        """Velocities there (nt, nq)."""
+        return self._at_times("v")
+
+    @cached_property
+    def a(self) -> Array:
+        """Accelerations there (nt, nq)."""
+        return self._at_times("a")
+
+    def lam(self) -> Array:
+        """Multipliers there (nt, m)."""
+        return self._at_times("lam")
 
     def _at_times(self, kind: str, order: int = 0, places: Any = slice(None)) -> Array:
         """Coordinates of a kind, or a derivative of them within their steps (nt, places)."""
@@ -257,8 +268,10 @@ class Sampling:
         moved = self._at_times(kind, 1, places) * (self._local @ nodes.shift[:, column])[:, None]
         return np.asarray(found + moved)
 
-    def all_gathered(self, keys: Iterable[Key], nodes: Nodes, b: Array, column: int) -> dict[Key, Array]:
-        """The same of all given coordinates, with the change of the numbers (len(b), k)."""
+    def all_gathered(
+        self, keys: Iterable[Key], nodes: Nodes, b: Array, c: Array, column: int
+    ) -> dict[Key, Array]:
+        """The same of all given coordinates, with the changes of the numbers (len(b), k), and of those of joints."""
         found, wanted = dict[Key, Array](), list(keys)
         for kind in dict.fromkeys(kind for kind, _ in wanted):
             places = [n for own, n in wanted if own == kind]
@@ -314,23 +327,18 @@ def around(before: Array, most: int, count: int) -> Array:
     return np.asarray(begin[:, None] + np.arange(width))
 
 
-def late(most: int) -> int:
-    """The last steps before a node about which there are nodes behind it, too."""
-    return most - 2 - (most - 2) // 2
-
-
 def lagrange(t: Array) -> tuple[Array, Array, Array]:
     """Values, slopes and bends at 0 of the polynomials that are 1 at one of some times (nt, k) and 0 at the others."""
-    count = t.shape[1]
     values, slopes, bends = np.ones(t.shape), np.zeros(t.shape), np.zeros(t.shape)
-    for i in range(count):
-        for j in range(count):
-            if j != i:
-                slope = 1 / (t[:, i] - t[:, j])
-                value = -t[:, j] * slope
-                bends[:, i] = bends[:, i] * value + 2 * slopes[:, i] * slope
-                slopes[:, i] = slopes[:, i] * value + values[:, i] * slope
-                values[:, i] *= value
+    for j in range(t.shape[1]):
+        ahead = t - t[:, j : j + 1]
+        ahead[:, j] = np.inf
+        slope = 1 / ahead
+        value = -t[:, j : j + 1] * slope
+        value[:, j] = 1.0
+        bends = bends * value + 2 * slopes * slope
+        slopes = slopes * value + values * slope
+        values = values * value
     return values, slopes, bends
 
 
@@ -372,7 +380,7 @@ def _polynomial(basis: Array, s: Array, h: Array, orders: int) -> Array:
 
 
 def angles_of(system: System, steps: StepsTaken | Segments) -> Angles:
-    """The joints' coordinates along a run, with the revolutions that it started with."""
-    joints, start = system.joint_coordinates, steps.start
-    first = joints.with_revolutions(joints.Phi(start.q), start.revolutions)
-    return Angles(system, Sampling(steps).states, lambda: first)
+    """The joints' coordinates and rotations of bodies along a run, with the revolutions that it started with."""
+    counted, start = system.counted_coordinates, steps.start
+    first = counted.with_revolutions(counted.Phi(start.q), start.revolutions)
+    return Angles(system, Sampling(steps), lambda: first)

@@ -53,13 +53,11 @@ class ChosenEquations(Independence):
         return False
 
 
-def settled(
-    system: System, steps: StepsTaken, t: Array, *, shortest: bool = True, like: StepsTaken | None = None
-) -> StateSet:
+def settled(system: System, steps: StepsTaken, t: Array, *, shortest: bool = True) -> StateSet:
     """States at rising times between its nodes or at them.
 
-    With the `shortest` multipliers where equations are dependent, and refined; or any, solved for once, as most of the
-    time goes there: then with the pivots of these steps or of others that are `like` them.
+    With the `shortest` multipliers where equations are dependent, and refined; or any, solved for once with the pivots
+    of the last call for these steps, as most of the time goes there.
     """
     remembered = np.concatenate([steps.memory, steps.memory[-1:]])
     nodes = Nodes(steps.t, steps.q, steps.v, steps.a, steps.lam, remembered)
@@ -69,12 +67,12 @@ def settled(
         left_out[:] = steps.left_out[step + 1]
 
     def consistent(choice: Array, t: Array) -> Samples:
-        chosen, host = ChosenEquations(system, choice), None if shortest else PIVOTS.get(like or steps)
+        chosen, host = ChosenEquations(system, choice), None if shortest else PIVOTS.get(steps)
         sampler = Sampler(system, chosen, steps.b, host=host, apart=apart(steps))
         rounds = REFINEMENTS if shortest else 1
         found = sampler.states(nodes, t, shortest=shortest, monitored=False, rounds=rounds)
         if host is None and not shortest:
-            PIVOTS[like or steps] = sampler.matrix
+            PIVOTS[steps] = sampler.matrix
         return found
 
     choices, number = _choices(left_out) if redundant else (left_out[:1], np.zeros(len(t), np.int64))

@@ -24,6 +24,7 @@ from ...dynamics.methods.nonholonomic import method_for, operation_for
 from ...dynamics.methods.splitting import Split, StageTables, split_of
 from ...dynamics.methods.tables import Quantity, Tables, Weight, structure_of, tables_of
 from .block_loop import Run
+from .references import shared_references
 from .split_loop import LEFT
 from .stacked import ragged, series
 
@@ -218,9 +219,14 @@ class Operations:
             scales=series([one.scales if len(one) else none for one in operations]),
             times=series([one.times for one in operations]),
             sources=tuple(arrays.values()) + (none,) * (-len(arrays) % SOURCES), pieces=ragged(pieces),
-            bounds=np.zeros((0, 2), np.int64), memory=steps.memory, places=steps.places,
+            bounds=np.zeros((0, 2), np.int64), memory=self.state_variables, places=steps.places,
             left_out=steps.left_out.astype(float) if steps.left_out.any() else none, **integers,
         )  # fmt: skip
+
+    @property
+    def state_variables(self) -> Array:
+        """What elements remember during each step (steps, k)."""
+        return self.steps.memory
 
     @cached_property
     def alike(self) -> list[Array]:
@@ -230,7 +236,7 @@ class Operations:
             if not len(self.steps.left_out) and not len(self.steps.places):
                 found.append(np.zeros(len(one), np.int64))
                 continue
-            memory, left_out = self.steps.memory[one.steps], self.left_out(one)
+            memory, left_out = self.state_variables[one.steps], self.left_out(one)
             differ = np.any(memory[1:] != memory[:-1], axis=1) | np.any(left_out[1:] != left_out[:-1], axis=1)
             found.append(np.cumsum(np.append(False, differ))[: len(one)])
         return found
@@ -242,12 +248,12 @@ class Operations:
 
     def memory(self, of: Occurrences) -> dict[int, Array]:
         """State variables of elements at all occurrences, by index in b."""
-        return dict(zip(self.steps.places.tolist(), self.steps.memory[of.steps].T, strict=True))
+        return dict(zip(self.steps.places.tolist(), self.state_variables[of.steps].T, strict=True))
 
     def numbers(self, n: int) -> Array:
         """The elements' numbers, with what they remember during step n."""
         b = self.steps.b.copy()
-        b[self.steps.places] = self.steps.memory[n]
+        b[self.steps.places] = self.state_variables[n]
         return b
 
 
@@ -289,6 +295,17 @@ class Record(Operations):
         self.split = split_of(own) if tables.n >= least * len(tables.structure.stages) else None
         if weighing:
             self.left = self.plain = error_of_adjoints(weighing)
+
+    @cached_property
+    def state_variables(self) -> Array:
+        """What elements remember during each step (steps, k), see `references`."""
+        steps, of = self.steps, self.operations[STEP]
+        stages = [(of.times[:, s], x.all(len(of))) for (s, name), x in of.sources.items() if name == "q"]
+        every = [(steps.t[:-1], steps.q[:-1]), *stages, (steps.t[1:], steps.q[1:])]
+        times, positions = zip(*every, strict=True)
+        return shared_references(
+            self.system, steps.b, np.stack(times, axis=1), np.stack(positions, axis=1), steps.memory
+        )
 
     def _steps(self) -> Occurrences:
         steps, h = self.steps, self.steps.h

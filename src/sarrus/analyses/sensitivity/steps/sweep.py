@@ -139,21 +139,17 @@ class Sweep:
         adjoints : (steps, 2, 2 nq, columns) takes the gradients by q and v before and after each step
         """
         timeline, run = self._timeline(first, None, initial, adjoints), self.record.run(first)
-        e, self._work.done[0] = len(timeline.operations) - 1, 0
+        zero = sources is None and not state.any()
+        e, self._work.done[0] = _last(timeline, given) if zero else len(timeline.operations) - 1, 0
         bars = aligned(len(state), self._blocks.width)
         bars[:, : self.columns] = state
-        arrays = (
-            bars,
-            given,
-            (stored.series if stored else NOTHING),
-            (sources.series if sources else NOTHING),
-        )
+        beside = (stored.series if stored else NOTHING), (sources.series if sources else NOTHING)
         tried = (-1, 0)
         while e >= 0:
             matrices = self._arranged()
             e = int(link(loop.backward)(
                 self._blocks.layout, self._blocks.kernels, self.b, run, timeline, e, 0, matrices, self._blocks.block,
-                self._work, *arrays,
+                self._work, bars, given, *beside,
             ))  # fmt: skip
             if e >= 0:
                 tried = self._choose_pivots(timeline, e, tried)
@@ -304,3 +300,9 @@ class Sweep:
             with suppress(SingularMatrix):  # then the matrix of all stages is factored
                 return own.split(of.split_weights(record.split)[k])
         return own.arranged(in_blocks)
+
+
+def _last(timeline: loop.Timeline, given: loop.NodeArrays) -> int:
+    """The last operation before whose end there are gradients of responses; those behind it change nothing."""
+    nodes = np.any([x.any(axis=(1, 2)) for x in given], axis=0)
+    return int(np.max(np.flatnonzero((timeline.nodes >= 0) & nodes[timeline.nodes]), initial=-1))

@@ -23,9 +23,9 @@ from ....linalg.rank import unit_rows
 from ....linalg.svd import singular
 from ....model import ModelError, SarrusError
 from ....model.announcement import announce
+from ....model.checks.arguments import in_si
 from ....model.coordinates import WIDTH
 from ....model.expansion.blueprint import Placement, blueprint
-from ....model.expression.quantity import quantity
 from ....model.geometry.rotation import matrix
 from ....system import System
 from ...equations.nullspace import normalizations
@@ -70,7 +70,10 @@ def formulate(
     if limits != "model":
         without = [(table[k].name, *pair) for k, pair in bounds.items() if _repeats(table[k], pair)]
         announce([WITHOUT_EFFECT.format(*one) for one in without])
-    targets = dict(zip(held, kept.values(), strict=True))
+    targets = {
+        k: in_si(f"fixed: {table[k].name}", x, table[k].unit)
+        for k, x in zip(held, kept.values(), strict=True)
+    }
     targets |= {k: low for k, (low, high) in bounds.items() if low == high and k not in targets}
     mistake = next(_mistakes(table, outputs, targets, bounds), None)
     if mistake:
@@ -145,17 +148,13 @@ def _bounds(one: Measure, pair: Any) -> tuple[float, float]:
         If they are no two numbers, or None, in their order.
     """
     message = f"limits: those of {one.name} must be a pair (lowest, highest) of numbers or None, got {pair!r}"
-    unit = "rad" if one.kind == "angle" else "m"
     try:
-        ends = [
-            quantity(end, unit) if isinstance(end, str) else end
-            for end in ([] if isinstance(pair, str) else pair)
-        ]
+        ends = [in_si("One", end, one.unit) for end in ([] if isinstance(pair, str) else pair)]
         low, high = (
             inf if end is None else float(end) for end, inf in zip(ends, (-np.inf, np.inf), strict=True)
         )
     except ModelError as wrong:
-        raise SarrusError(f"{message}. One {wrong.message}") from None
+        raise SarrusError(f"{message}. {wrong.message}") from None
     except (TypeError, ValueError):
         low = high = np.nan
     if np.isnan([low, high]).any() or low == np.inf or high == -np.inf:

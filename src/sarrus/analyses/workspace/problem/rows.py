@@ -20,7 +20,6 @@ import numpy as np
 from ....algebra import Array
 from ....model.coordinates import WIDTH
 from ....model.geometry.points import GROUND
-from ....model.geometry.pose import GROUND_POSE
 from ....model.geometry.rotation import matrix
 from ....system import System
 from ....system.operators.constraints import ConstraintOperators
@@ -203,7 +202,7 @@ class Handedness:
     """
 
     def __init__(self, system: System, positions: Sequence[Array]) -> None:
-        poses = {GROUND: GROUND_POSE, **{body.name: body.pose() for body in system.model.bodies}}
+        poses = system.model.design_poses()
         number = {name: n for n, name in enumerate((GROUND, *system.bodies))}
         self._joints: list[tuple[int, int, Array, Array]] = []
         for joint in system.model.joints:

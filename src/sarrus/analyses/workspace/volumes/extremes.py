@@ -42,7 +42,6 @@ def workspace_range(
     repeats: int = REPEATS,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
-    strict: bool = False,
 ) -> WorkspaceRange:
     """Compute the intervals of values that one output can reach, and what limits them.
 
@@ -52,7 +51,6 @@ def workspace_range(
     output : one function of the position, such as ``"slider.x"``
     progress : True for a line on the terminal, or a function that is called with the number of starts so far
     time_limit : seconds of the clock after which it ends with the status "time limit" and what was found
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

@@ -40,7 +40,7 @@ IN_BRACKETS = re.compile(r"\([^()]*\)")
 
 @reports_warnings
 @one_thread_if_small
-def area_gradient(found: Workspace, wrt: Iterable[str], *, strict: bool = False) -> ShapeDerivative:
+def area_gradient(found: Workspace, wrt: Iterable[str]) -> ShapeDerivative:
     """Compute the exact derivative of the area of a workspace.
 
     Parameters
@@ -48,7 +48,6 @@ def area_gradient(found: Workspace, wrt: Iterable[str], *, strict: bool = False)
     found : Workspace
     wrt : parameters: of the model (``"q2.point.x"``), of its elements (``"q2[point].s_i.x"``), of the functions
         (``"link_3(1, 0, 0).x[x].s_j.x"`` for the point that is the output), or ends of limits (``"q1.angle highest"``)
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -89,7 +88,7 @@ def _owner(region: Region, k: int) -> BranchPart:
 
 @reports_warnings
 @one_thread_if_small
-def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool = False) -> ShapeDerivative:
+def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str]) -> ShapeDerivative:
     """Compute the exact derivative of a volume from ``workspace_volume(..., derivatives=True)``.
 
     It is the integral of the derivatives of the slices' areas; where areas jump, at level parts of the boundary, their
@@ -99,7 +98,6 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool 
     ----------
     found : WorkspaceVolume
     wrt : see `area_gradient`
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -134,9 +132,7 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool 
 
 @reports_warnings
 @one_thread_if_small
-def end_gradient(
-    found: WorkspaceRange, value: float, wrt: Iterable[str], *, strict: bool = False
-) -> ShapeDerivative:
+def end_gradient(found: WorkspaceRange, value: float, wrt: Iterable[str]) -> ShapeDerivative:
     """Compute the exact derivative of an end of a range, or of another critical value.
 
     Parameters
@@ -144,7 +140,6 @@ def end_gradient(
     found : WorkspaceRange
     value : one of its critical values, nearly
     wrt : see `area_gradient`
-    strict : raise the first warning as a `StrictError`
 
     Raises
     ------
@@ -174,9 +169,7 @@ def end_gradient(
 
 @reports_warnings
 @one_thread_if_small
-def distance_gradient(
-    found: Workspace, point: ArrayLike, wrt: Iterable[str], *, strict: bool = False
-) -> ShapeDerivative:
+def distance_gradient(found: Workspace, point: ArrayLike, wrt: Iterable[str]) -> ShapeDerivative:
     """Compute the exact derivative of the distance of a point from the boundary of a workspace.
 
     The foot of the perpendicular is found by Newton's method; where it lies moves to first order only along the
@@ -188,7 +181,6 @@ def distance_gradient(
         Both outputs are lengths, or both are angles.
     point : (2,) inside, where the distance counts positive, or outside, where it counts negative
     wrt : see `area_gradient`
-    strict : raise the first warning as a `StrictError`
 
     Raises
     ------

@@ -50,7 +50,6 @@ def workspace_volume(
     derivatives: bool = False,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
-    strict: bool = False,
 ) -> WorkspaceVolume:
     """Compute the workspace of three outputs from slices at values of the third.
 
@@ -73,7 +72,6 @@ def workspace_volume(
     progress : True for a line on the terminal, or a function that is called with the number of slices so far
     time_limit : seconds of the clock after which it ends with the status "time limit", the slices made so far
         and a coarse volume from them
-    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

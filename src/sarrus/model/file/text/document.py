@@ -12,10 +12,11 @@ DEEPEST = 64  # levels of nesting
 
 
 class Document(NamedTuple):
-    """The data of a file (mappings, lists, texts, floats, booleans, None) and where they stand."""
+    """The data of a file (mappings, lists, texts, floats, booleans, None), lines, and names of mirrored parts."""
 
     data: Any
     origin: Origin
+    mirrored: frozenset[str] = frozenset()
 
 
 def refusal(message: str, file: str, line: int, path: Path = ()) -> ModelError:

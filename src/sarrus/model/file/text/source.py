@@ -87,7 +87,7 @@ def root_tag(path: Path) -> str:
 
 def _suggestion(path: Path) -> str:
     """Return the nearest name of a file in the folder, or of a shipped mechanism; else the advice to check the path."""
-    shipped = sorted(file.stem for file in SHIPPED.glob("*.yaml")) if str(path) == path.name else []
+    shipped = sorted(file.stem for file in SHIPPED.rglob("*.yaml")) if str(path) == path.name else []
     with suppress(OSError):
         there = [file.name for file in islice(path.parent.iterdir(), MOST_SOUGHT)]
         if near := get_close_matches(path.name, there, n=1, cutoff=0.8):

@@ -10,7 +10,7 @@ and what one state less in the polynomial does: another way than the smooth one 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,14 +21,11 @@ from ....algebra import Array
 from ....linalg.factors import SingularSystem
 from ....linalg.rank import rank_of
 from ....model.announcement import announce
-from ....results import StepsTaken
 from ....system import System
-from ...equations.block_matrix import PlacedMatrix
 from ...equations.motion import EquationsOfMotion
 from ...equations.projection import Projection
-from ...redundancy.redundant_constraints import Independence
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import RunFailure, Settings, Stepper, Tally
+from ..stepping.stepper import RunFailure, RunPart, Settings, Stepper
 
 RECORD_SIZE = 120  # stored states, each THIN times as far from the last one as the next
 THIN = 1.1
@@ -70,8 +67,10 @@ class Landing(NamedTuple):
     iterations: int
 
 
-class Crossing:
+class SingularPassage(RunPart):
     """A stepper that also passes singular configurations; see `Stepper`."""
+
+    VARIABLES = "_inner", "_past", "_until", "_shortest"
 
     def __init__(self, stepper: Stepper, system: System, settings: Settings) -> None:
         self._inner, self._system, self._settings = stepper, system, settings
@@ -87,44 +86,14 @@ class Crossing:
     def t(self, t: float) -> None:
         self._inner.t = t
 
-    @property
-    def b(self) -> Array:
-        """The numbers of the elements, with what they remember."""
-        return self._inner.b
-
-    @property
-    def independence(self) -> Independence:
-        """Return the independent equations."""
-        return self._inner.independence
-
-    @property
-    def tally(self) -> Tally:
-        """Return the counters."""
-        return self._inner.tally
-
-    @property
-    def apart(self) -> bool:
-        """See `Stepper`."""
-        return self._inner.apart
-
-    @property
-    def passes_kinks(self) -> bool:
-        """See `Stepper`."""
-        return self._inner.passes_kinks
-
-    @property
-    def host(self) -> PlacedMatrix | None:
-        """See `Stepper`."""
-        return self._inner.host
+    def __getattr__(self, name: str) -> Any:
+        """All else is the method's own."""
+        return getattr(self._inner, name)
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin at a consistent state, see `Stepper`."""
         self._until, self._shortest, self._past = until, np.inf, Track(*(x[:0] for x in self._past))
         self._inner.restart(t, q, v, until)
-
-    def shorten(self, longest: float) -> None:
-        """See `Stepper`."""
-        self._inner.shorten(longest)
 
     def advance(self, stop: float, limit: int) -> Nodes:
         """Steps towards a time, and over a singular configuration where they become ever shorter; see `Stepper`."""
@@ -156,21 +125,6 @@ class Crossing:
             return False
         self._shortest = float(h[-1])
         return True
-
-    def steps(self) -> StepsTaken | None:
-        """The steps stored for derivatives, or None."""
-        return self._inner.steps()
-
-    def state(self) -> dict[str, Array]:
-        """All that is needed to go on, see `Stepper`."""
-        past = {f"past_{name}": array for name, array in self._past._asdict().items()}
-        return {**self._inner.state(), **past, "past_numbers": np.array([self._until, self._shortest])}
-
-    def resume(self, state: Mapping[str, Array]) -> None:
-        """Go on from such a state."""
-        self._inner.resume(state)
-        self._until, self._shortest = (float(x) for x in state["past_numbers"])
-        self._past = Track(*(state[f"past_{name}"] for name in Track._fields))
 
     def _bear_in_mind(self, nodes: Nodes) -> None:
         """Keep states, ever fewer the further they are from the last one."""

@@ -1,0 +1,220 @@
+"""The coefficients of a tyre from measurements on a test rig: least squares with the exact derivatives of its law."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..algebra import Array
+from ..elements.forces.tyres import Slip, TyreLaw, Wrench, sampled
+from ..model.announcement import announce
+from ..model.errors import ModelError
+from ..model.show import quote, suggest
+
+if TYPE_CHECKING:
+    from .tir import TyreFile
+
+SLIPS = ("kappa", "alpha", "gamma", "load", "speed")
+ANGLE = (lambda column: abs(column) < np.pi / 2, "Give angles in rad, between -pi/2 and pi/2.")
+SENSE: dict[str, tuple[Callable[[Array], Array], str]] = {  # what columns must be
+    "alpha": ANGLE,
+    "gamma": ANGLE,
+    "load": (
+        lambda column: column >= 0,
+        "Give the load in N, positive where the tyre is pressed on the road.",
+    ),
+    "speed": (lambda column: column > 0, "Give the speed in m/s, positive forwards."),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class TyreFit:
+    """Coefficients of a tyre that are estimated from measurements.
+
+    Attributes
+    ----------
+    tyre : with the estimated coefficients, and the others as they were
+    names : of the estimated coefficients (k,)
+    covariance : of the coefficients (k, k)
+    residuals : of each force and moment, measured less computed [N, N m] (n,)
+    quantile : half width of the 95 % interval over the standard deviation
+    """
+
+    tyre: TyreFile
+    names: tuple[str, ...]
+    covariance: Array
+    residuals: Mapping[str, Array]
+    quantile: float
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """Return the 95 % confidence interval of a coefficient."""
+        value, half = self.tyre.coefficients[name], self.quantile * self._deviation(name)
+        return value - half, value + half
+
+    def _deviation(self, name: str) -> float:
+        if name not in self.names:
+            raise ModelError(f"{quote(name)} was not estimated. {suggest(name, self.names)}")
+        place = self.names.index(name)
+        return float(np.sqrt(self.covariance[place, place]))
+
+    def __str__(self) -> str:
+        """The estimates with their intervals, and the mean residuals."""
+        lines = [
+            f"{name:8}{self.tyre.coefficients[name]:12.5g} ± {self.quantile * self._deviation(name):.2g}"
+            for name in self.names
+        ]
+        means = [f"{name} {np.sqrt(np.mean(left**2)):.4g}" for name, left in self.residuals.items()]
+        return "\n".join([*lines, f"root mean square of residuals: {', '.join(means)}"])
+
+
+def fitted(
+    tyre: TyreFile,
+    measured: Any,
+    wrt: Sequence[str],
+    sigma: Mapping[str, float] | None,
+    bounds: Mapping[str, tuple[float, float]] | None,
+) -> TyreFit:
+    """The fit of `TyreFile.fit`.
+
+    Raises
+    ------
+    ModelError
+        If columns or coefficients are missing or unknown, or the measurements do not determine the coefficients.
+    """
+    from scipy.optimize import least_squares
+    from scipy.stats import t
+
+    law, names = tyre.law(), (wrt,) if isinstance(wrt, str) else tuple(wrt)
+    slip, forces = columns(measured, law)
+    if not forces:
+        raise ModelError("measured needs at least one of the columns F_x, F_y, M_x, M_y and M_z.")
+    announce(_outside(measured, law))
+    weights = {name: (sigma or {}).get(name, float(abs(data).max()) or 1.0) for name, data in forces.items()}
+    _check(law, names, forces, bounds, sigma)
+
+    def computed(x: Array) -> tuple[Array, Array]:
+        moved = type(law)({**law.given, **dict(zip(names, x.tolist(), strict=True))})
+        values, slopes = sampled(moved, slip, names)
+        rows = [Wrench._fields.index(name) for name in forces]
+        scales = np.array([*weights.values()])[:, None]
+        data = np.array([*forces.values()])
+        return ((values[rows] - data) / scales).ravel(), (slopes[rows] / scales[..., None]).reshape(
+            -1, len(names)
+        )
+
+    start = np.array([float(law.given[name]) for name in names])
+    ends = np.array([(bounds or {}).get(name, (-np.inf, np.inf)) for name in names]).T
+    answer = least_squares(
+        lambda x: computed(x)[0], start, jac=lambda x: computed(x)[1], bounds=ends, x_scale="jac", xtol=1e-12
+    )
+    spare = answer.fun.size - len(names)
+    inverse = _inverse(answer.jac, names)
+    spread = 1.0 if sigma else 2 * answer.cost / spare
+    values = dict(zip(names, answer.x.tolist(), strict=True))
+    residuals = {
+        name: -part * weights[name]
+        for name, part in zip(forces, np.split(answer.fun, len(forces)), strict=True)
+    }
+    best = type(tyre)(tyre.name, dict(tyre.coefficients) | values, tyre.side, tyre.notes)
+    best.law()
+    return TyreFit(best, names, inverse * spread, residuals, float(t.ppf(0.975, spare)))
+
+
+def columns(measured: Any, law: Any) -> tuple[Slip, dict[str, Array]]:
+    """The slips, and forces and moments by name.
+
+    Raises
+    ------
+    ModelError
+        If columns are missing, unknown, of other lengths or not finite, or have values without sense.
+    """
+    found = {str(name): _column(str(name), measured[name]) for name in measured}
+    allowed = (*SLIPS, *Wrench._fields)
+    for name, column in found.items():
+        if name not in allowed:
+            raise ModelError(f"measured has the unknown column {quote(name)}. {suggest(name, allowed)}")
+        if not np.isfinite(column).all():
+            raise ModelError(f"measured has values in {quote(name)} that are not finite. Remove these rows.")
+    for name, (has_sense, remedy) in SENSE.items():
+        wrong = np.flatnonzero(~has_sense(found.get(name, np.ones(1))))
+        if len(wrong):
+            value = found[name].flat[wrong[0]]
+            raise ModelError(f"{name} in row {wrong[0]} of measured is {value:g}. {remedy}")
+    if "load" not in found:
+        raise ModelError("measured needs the column load.")
+    if len({column.shape for column in found.values()}) > 1 or found["load"].ndim != 1:
+        raise ModelError("measured: its columns must be lists of the same length. Give each its values.")
+    zero = np.zeros_like(found["load"])
+    slip = Slip(
+        found.get("kappa", zero),
+        np.tan(found.get("alpha", zero)),
+        found.get("gamma", zero),
+        found["load"],
+        found.get("speed", zero + float(law.LONGVL)),
+    )
+    return slip, {name: found[name] for name in Wrench._fields if name in found}
+
+
+def _outside(measured: Any, law: Any) -> Iterator[str]:
+    """Yield a message for each range of the tyre that measurements leave."""
+    for name, limits in law.ranges().items():
+        column = np.asarray(measured.get(name, 0.0), dtype=float)
+        if count := np.count_nonzero((column < limits.low) | (column > limits.high)):
+            what = f"measured: {count} of {column.size} rows have {name} outside of {limits.low:g} to {limits.high:g}"
+            yield f"{what}, where the forces are constant. Remove these rows, or change {limits.coefficients}."
+
+
+def _column(name: str, values: Any) -> Array:
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ModelError(f"measured must have numbers in {quote(name)}. Remove texts.") from None
+
+
+def _check(
+    law: TyreLaw,
+    names: tuple[str, ...],
+    forces: Mapping[str, Array],
+    bounds: Mapping[str, Any] | None,
+    sigma: Mapping[str, float] | None,
+) -> None:
+    for field, given, allowed in (
+        ("wrt", names, [*law.given]),
+        ("bounds", bounds or (), names),
+        ("sigma", sigma or (), [*forces]),
+    ):
+        for name in given:
+            if name not in allowed:
+                raise ModelError(f"{field} has the unknown name {quote(name)}. {suggest(name, allowed)}")
+    if sigma and ({*sigma} != {*forces} or not all(value > 0.0 for value in sigma.values())):
+        raise ModelError(f"sigma must have a positive number for each of {', '.join(forces)}.")
+    for name, (low, high) in (bounds or {}).items():
+        if not low <= (value := float(law.given[name])) <= high or low == high:
+            limits = f"which is not within its bounds {low:g} and {high:g}"
+            raise ModelError(f"{name} starts at {value:.6g}, {limits}. Correct them.")
+    count = sum(map(len, forces.values()))
+    if not 0 < len(names) < count:
+        raise ModelError(f"{count} measured values cannot determine {len(names)} coefficients.")
+
+
+def _inverse(J: Array, names: Sequence[str]) -> Array:
+    """(JᵀJ)⁻¹.
+
+    Raises
+    ------
+    ModelError
+        If a combination of coefficients changes nothing.
+    """
+    sizes = np.linalg.norm(J, axis=0)
+    sizes[sizes == 0.0] = 1.0
+    _, values, rows = np.linalg.svd(J / sizes, full_matrices=False)
+    if values[-1] <= max(J.shape) * np.finfo(float).eps * values[0]:
+        worst = [names[k] for k in np.flatnonzero(abs(rows[-1]) > 0.1).tolist()]
+        raise ModelError(
+            f"the measurements do not determine {', '.join(worst)}. Remove one of them from wrt."
+        )
+    half = rows.T / values / sizes[:, None]
+    return np.asarray(half @ half.T)

@@ -1,0 +1,30 @@
+"""Outputs of the points on which forces act: ``push.position.x``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+from ..elements.forces.point_force import PointForce
+from ..model.coordinates import WIDTH
+from ..model.geometry.points import AXES
+from ..system import System
+from ..system.structure.population import Population
+from .output import Output, provides
+from .recording import bodies_of
+
+
+@provides
+def positions(system: System, part: str | None) -> Iterator[Output]:
+    """The global positions of the points of point forces."""
+    for p in system.populations:
+        for k, owner in enumerate(p.owners if issubclass(p.kind, PointForce) else ()):
+            if part in (None, owner) and bodies_of(p, k)[0] >= 0:
+                for n, axis in enumerate(AXES):
+                    yield Output(f"{owner}.position.{axis}", "m", partial(_position, p, k, n))
+
+
+def _position(p: Population, k: int, n: int, o: Any) -> Any:
+    body = o.system.bodies[bodies_of(p, k)[0] // WIDTH]
+    return o.position(body, o.element(p, k, "b").s)[n]

@@ -160,7 +160,7 @@ def read_stamp() -> dict:
 
 def python_key() -> str:
     """What a virtual environment depends on: the interpreter, and where the environment stands."""
-    return f"{sys.version.split()[0]} {getattr(sys, '_base_executable', sys.executable)} {VENV}"
+    return f"{sys.version.split()[0]} {sys.base_prefix} {VENV}"
 
 
 def project_key() -> str:

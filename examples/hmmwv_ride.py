@@ -8,7 +8,6 @@ about the middle plane. The free lengths follow, so that the load of every sprin
 
 import dataclasses
 import sys
-import warnings
 from functools import cache
 from pathlib import Path
 
@@ -163,7 +162,6 @@ def draw(found: list[sr.Optimum], folder: Path) -> None:
 
 
 def main(folder: str | Path = ".", iterations: int = 20) -> list[sr.Optimum]:
-    warnings.filterwarnings("ignore", ".*switches crowd")  # both sides lift off together, in every design
     limited = [sr.Within(extension(name), upper=MOST) for name in REST]
     found = [tuned(iterations=iterations), tuned(*limited, iterations=iterations)]
     for one in found:

@@ -30,7 +30,7 @@ BUDGETS = {
     "_jit": Size(1997, 33, 15, 1),
     "analyses": Size(314, 5, 4, 0),
     "analyses/driven": Size(851, 6, 25, 0),
-    "analyses/dynamics": Size(7208, 69, 177, 13),
+    "analyses/dynamics": Size(7060, 69, 173, 13),
     "analyses/equations": Size(1180, 12, 18, 0),
     "analyses/equilibria": Size(1324, 10, 21, 5),
     "analyses/forward": Size(1040, 13, 2, 7),

@@ -87,14 +87,6 @@ def test_a_miss_is_a_miss() -> None:
     assert run.nsteps < 20
 
 
-@pytest.mark.parametrize("system", [pass_by(0.19)])
-def test_steps_of_a_given_length_warn(system: sr.System) -> None:
-    with pytest.warns(
-        sr.SarrusWarning, match=r"stop: its law switches twice within one step near t = 1.9\d* s"
-    ):
-        sr.simulate(system, until=4.0, method=sr.HHT(step=0.05))
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT(), sr.ODE()], ids=["Radau", "HHT", "ODE"])
 def test_a_run_that_goes_on_takes_the_same_steps(

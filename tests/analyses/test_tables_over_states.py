@@ -124,14 +124,6 @@ def test_a_fine_table_of_a_smooth_law_needs_no_more_steps() -> None:
     assert runs[0].nsteps < 1.1 * runs[1].nsteps
 
 
-def test_steps_of_a_given_length_warn() -> None:
-    system = wheel(bell(0.02))
-    with pytest.warns(
-        sr.SarrusWarning, match=r"tyre: its law switches twice within one step near t = [23]\.\d* s"
-    ):
-        sr.simulate(system, until=6.0, method=sr.HHT(step=0.1))
-
-
 def test_what_is_kept_and_resumed_has_the_same_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Saved where the bump has been passed and where it has not."""
     monkeypatch.setattr(recording, "PAUSE", 0.0)

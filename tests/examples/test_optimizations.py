@@ -70,7 +70,6 @@ def test_torque_history(tmp_path: Path) -> None:
     assert drawn(tmp_path) == {"torque_history.png"}
 
 
-@pytest.mark.filterwarnings("ignore:.*switches crowd")
 def test_hmmwv_ride(tmp_path: Path) -> None:
     script = of("hmmwv_ride")
     free, limited = script["main"](tmp_path, iterations=10)

@@ -22,23 +22,21 @@ from ....outputs.recording import TRACED, Recording
 from ....system import System
 from ....system.cached import once
 from ....system.curves.curve_derivatives import MANY, formula_graph, stored
+from ....system.operators.element_values import ElementValues
 from ..inputs.force_arguments import (
-    ForceArguments,
-    Length,
+    OPERANDS,
     curves_over_states,
     force_functions,
     forces,
     is_force,
     law_signs,
+    recorded_arguments,
 )
 from ..inputs.laws_of_time import parts_of
 from ..step_loop.crossing import SHIFT, Switching
-from ..stepping.nodes import Nodes
 
 SHIFTS = 3  # random changes of a state, which show the size of the terms of a function
 ROWS = {"value": 8, "mode": 8, "acts": 8, "rate": 5}  # of what is evaluated within a step
-CLOSE = 0.999  # of the way to where the ends of a length meet
-SMALL = 1e-5  # of the square of a force at the begin of that way; in proportion to the length it would be 1e-6 there
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,61 +154,39 @@ class SwitchingFunctions:
     Parameters
     ----------
     system : System
-    lengths : whether lengths that vanish are looked for, too
 
     Attributes
     ----------
     all : list of Switch
     """
 
-    def __init__(self, system: System, lengths: bool) -> None:
-        found, with_lengths = switches_of(system)
-        own = sorted({*found, *(with_lengths if lengths else ())})
-        self._system, self._arguments = system, ForceArguments(system, own)
-        self.all = [switch for n in own for switch in found.get(n, ())]
-        self._lengths = [one for n in own for one in self._lengths_of(n)] if lengths else []
+    def __init__(self, system: System) -> None:
+        found = switches_of(system)
+        kinds = [system.populations[n] for n in found]
+        self._nq, self._values = (
+            system.nq,
+            ElementValues("force_arguments", kinds, recorded_arguments, OPERANDS),
+        )
+        self.all = [switch for own in found.values() for switch in own]
+        places = zip(self._values.starts, self._values.widths, strict=True)
+        self._first: dict[int, tuple[int, int]] = dict(zip(found, places, strict=True))
 
     def compiled(self, returns: Callable[[Switch], bool], near: bool) -> Switching:
         """All of them for the loop of steps, see `Switching`."""
-        arguments = self._arguments
-        given = self.all, arguments.entry, self._column, arguments.size, self._system.nq
-        return _compiled(*given, returns, near)
+        values = self._values
+        return _compiled(self.all, values.entry(), self._column, values.size, self._nq, returns, near)
 
     def _column(self, corner: Corner, argument: int) -> int:
-        return self._arguments.column(corner.population, corner.element, argument)
-
-    def _lengths_of(self, n: int) -> Iterator[tuple[str, list[int]]]:
-        """Owners of lengths in the forces of a kind, and the places of their arguments."""
-        p, width = self._system.populations[n], len(Length._fields)
-        known = force_functions(p.variant)
-        for k in range(p.count):
-            for at in range(len(known.arguments) - width * len(known.lengths), len(known.arguments), width):
-                yield p.owners[k], [self._arguments.column(n, k, i) for i in (-1, *range(at, at + width))]
-
-    def vanishing(self, nodes: Nodes, b: Array, apart: bool) -> tuple[float, str] | None:
-        """When first the ends of a length pass through each other and its force reverses [s], and whose it is."""
-        if not self._lengths:
-            return None
-        h, arguments = np.diff(nodes.t), self._arguments(nodes, b)
-        for owner, columns in self._lengths:
-            before, behind = (Length(*x[:, columns[1:]].T) for x in (arguments[:-1], arguments[1:]))
-            passed = (before.rate < 0) & (behind.rate > 0) & before.meets(h) & behind.meets(h)
-            for step in np.flatnonzero(passed).tolist():
-                part = -before.rate[step] / before.bend[step] / h[step]
-                near = self._arguments(nodes.part(slice(step, step + 2)), b, np.array([CLOSE * part]), apart)[
-                    :, columns[0]
-                ]
-                if near[1] > SMALL * near[0]:
-                    return float(nodes.t[step] + part * h[step]), owner
-        return None
+        """The place of an argument of an element; that of the force itself for -1."""
+        start, width = self._first[corner.population]
+        return start + corner.element * width + argument % width
 
 
 @once
-def switches_of(system: System) -> tuple[dict[int, tuple[Switch, ...]], tuple[int, ...]]:
-    """The switches of each kind of force that has some, by its index among the populations; kinds with lengths."""
-    known = {n: force_functions(system.populations[n].variant) for n in forces(system, is_force)}
-    every = {n: tuple(_switches(system, n)) for n in known}
-    return {n: own for n, own in every.items() if own}, tuple(n for n, one in known.items() if one.lengths)
+def switches_of(system: System) -> dict[int, tuple[Switch, ...]]:
+    """The switches of each kind of force that has some, by its index among the populations."""
+    every = {n: tuple(_switches(system, n)) for n in forces(system, is_force)}
+    return {n: own for n, own in every.items() if own}
 
 
 def _switches(system: System, n: int) -> Iterator[Switch]:

@@ -1,24 +1,19 @@
-"""Arguments of step functions, curves and lengths in the recorded formulas of forces.
+"""Arguments of step functions and curves in the recorded formulas of forces.
 
 Whether a contact touches is the sign of a step function's argument; which part of a road counts is a curve's argument.
-A length |d| has a corner where its ends pass through each other: there the rate of |d|² changes its sign.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ...._jit.formulas.differentiate import directional
 from ...._jit.formulas.expression import Expression, Graph
 from ...._jit.formulas.replay import needed
 from ...._jit.kernels.emit import Output, Recording
-from ...._jit.kernels.pointer import KernelTable, call_kernels
-from ...._jit.linking.link import compiled, link
-from ....algebra import Array
 from ....elements import BUILT_IN
 from ....elements.operators import OPERATORS
 from ....elements.recorder import Variant
@@ -27,47 +22,24 @@ from ....model.laws.jumps import TIME, jumps
 from ....system import System
 from ....system.cached import once
 from ....system.curves.curve_derivatives import curves_of, entries_of, formula_graph, steps_in, stored
-from ....system.operators.element_values import ElementValues
 from ....system.structure.population import Population
-from ..stepping.nodes import Nodes, between
 from .laws_of_time import fields_of_time
 
 OPERANDS = ("q", "v")
-END = np.ones(1)
-WITHIN = 2.0  # steps
-MEETS = 1e-8  # [-] of tan² between a length and its rate: below, its ends pass through each other
-POLYNOMIAL = {"add", "sub", "mul", "neg", "input", "constant"}  # operations of |d|² of positions
-
-
-class Length(NamedTuple):
-    """The rate of the square s of a length |d| in a force, 2 s s̈ - ṡ² of a d that moves evenly, and that s̈.
-
-    The second is ṡ² tan² of the angle between d and its rate: zero where one end is about to meet the other.
-    """
-
-    rate: Any
-    aside: Any
-    bend: Any
-
-    def meets(self, h: Any) -> Any:
-        """Whether the ends, with their present velocities, meet within a time h, or did so, but for round-off."""
-        return (self.aside < MEETS * self.rate * self.rate) & (abs(self.rate) < WITHIN * h * self.bend)
 
 
 class ForceFunctions(NamedTuple):
-    """The forces of a kind of element, arguments whose sign counts, of curves with their places; lengths."""
+    """The forces of a kind of element, arguments whose sign counts, and of curves with their places."""
 
     graph: Graph
     entries: list[Expression]
     signs: list[Expression]
     curves: list[tuple[int, Expression]]
-    lengths: list[Length]
 
     @property
     def arguments(self) -> list[Expression]:
-        """All arguments, in this order; three of each length."""
-        lengths = (x for one in self.lengths for x in one)
-        return [*self.signs, *(x for _, x in self.curves), *lengths]
+        """All arguments, in this order."""
+        return [*self.signs, *(x for _, x in self.curves)]
 
 
 @cache
@@ -81,26 +53,7 @@ def force_functions(variant: Variant) -> ForceFunctions:
 
     places = [graph.nodes[node.args[0]].value[1] for node in nodes.values() if node.op == "curve"]
     curves = list(zip(places, arguments("curve"), strict=True))
-    lengths = [found for x in arguments("sqrt") if (found := _length(graph, x))]
-    return ForceFunctions(graph, entries, arguments("positive"), curves, lengths)
-
-
-def _length(graph: Graph, square: Expression) -> Length | None:
-    """A length by its square, unless that is a function of velocities or none of positions."""
-    nodes = [graph.nodes[n] for n in needed(graph, [square])]
-    names = [node.value for node in nodes if node.op == "input"]
-    moving = [name for name in names if name[0] == "q"]
-    if (
-        not moving
-        or any(node.op not in POLYNOMIAL for node in nodes)
-        or any(name[0] == "v" for name in names)
-    ):
-        return None
-    pairs = [(graph.input(*name), graph.input("v", *name[1:])) for name in moving]
-    (rate,) = directional(graph, [square], pairs)
-    (bend,) = directional(graph, [rate], pairs)
-    found = Length._make(graph.expressions([rate, 2 * square * bend - rate * rate, bend]))
-    return None if found.rate.constant == 0 else found
+    return ForceFunctions(graph, entries, arguments("positive"), curves)
 
 
 def law_signs(law: object) -> list[Expression]:
@@ -122,7 +75,7 @@ def has_kinks(p: Population) -> bool:
 
 
 @cache
-def _recorded(variant: Variant) -> Recording:
+def recorded_arguments(variant: Variant) -> Recording:
     """The arguments, and last the sum of the squares of the force, which is zero where it does not act."""
     known = force_functions(variant)
     wanted = [*known.arguments, sum(entry * entry for entry in known.entries)]
@@ -170,76 +123,3 @@ def curves_over_states(p: Population) -> list[tuple[int, int]]:
     calls = enumerate(force_functions(p.variant).curves)
     fields = {place: field for field, place in curves_of(p.kind)}
     return [(n, place) for n, (place, _) in calls if fields[place] not in of_time]
-
-
-class ForceArguments:
-    """The arguments of some of a system's forces along a motion, compiled.
-
-    Parameters
-    ----------
-    system : System
-    populations : indices of the forces' kinds among the system's populations, see `forces`
-
-    Attributes
-    ----------
-    entry : kernels of all values
-    size : number of values at each state
-    """
-
-    def __init__(self, system: System, populations: Sequence[int]) -> None:
-        self._system, self._b = system, system.b.copy()
-        own = [system.populations[n] for n in populations]
-        self._values = ElementValues("force_arguments", own, _recorded, OPERANDS)
-        self.entry, self.size = self._values.entry(), self._values.size
-        places = zip(self._values.starts, self._values.widths, strict=True)
-        self._first: dict[int, tuple[int, int]] = dict(zip(populations, places, strict=True))
-        self._work = np.zeros((3, system.nq))
-
-    def column(self, population: int, element: int, argument: int) -> int:
-        """The place of an argument of an element; that of the force itself for -1."""
-        start, width = self._first[population]
-        return start + element * width + argument % width
-
-    def __call__(self, nodes: Nodes, b: Array, parts: Array = END, apart: bool = False) -> Array:
-        """All values (1 + steps * parts, size): at the first node, then at parts of every step, from 0 to 1."""
-        self._b[:] = b
-        found = np.zeros((1 + (len(nodes.t) - 1) * len(parts), self.size))
-        if self.size:
-            given = (self.entry, self._b, self._system.memory_places, nodes, parts, apart, self._work)
-            link(look)(*given, found)
-        return found
-
-
-@compiled(entry=True)
-def look(
-    entry: KernelTable,
-    b: Array,
-    places: Array,
-    nodes: Nodes,
-    parts: Array,
-    apart: bool,
-    work: Array,
-    found: Array,
-) -> None:
-    """Values at the first node, then at parts of every step; elements remember what they did as the step began."""
-    remind(b, places, nodes.memory, 0)
-    call_kernels(entry, b, nodes.t[0], nodes.q[0], nodes.v[0], found[0])
-    row = 1
-    for n in range(len(nodes.t) - 1):
-        h = nodes.t[n + 1] - nodes.t[n]
-        remind(b, places, nodes.memory, n)
-        for s in parts:
-            if s == 1.0:
-                call_kernels(entry, b, nodes.t[n + 1], nodes.q[n + 1], nodes.v[n + 1], found[row])
-            else:
-                between(nodes.q[n], nodes.v[n], nodes.a[n], nodes.q[n + 1], nodes.v[n + 1], nodes.a[n + 1],
-                        s, h, apart, work[0], work[1], work[2])  # fmt: skip
-                call_kernels(entry, b, nodes.t[n] + s * h, work[0], work[1], found[row])
-            row += 1
-
-
-@compiled
-def remind(b: Array, places: Array, memory: Array, n: int) -> None:
-    """Write what elements remembered at a node to their numbers."""
-    for k in range(len(places)):
-        b[places[k]] = memory[n, k]

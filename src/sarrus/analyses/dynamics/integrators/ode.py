@@ -158,8 +158,9 @@ class ODEStepper(RunPart):
         y, f = solver.y, solver.f
         while length := self._take(before, y):
             solver.t, solver.y, solver.f, solver.h_abs, solver.status = before, y, f, length, "running"
+        self._crossing.since += 1
         if self._crossing.stage == LANDED:
-            solver.h_abs = min(solver.h_abs, first_after(self._crossing))
+            solver.h_abs, self._crossing.since = min(solver.h_abs, first_after(self._crossing)), 0
         self._tiny = self._tiny + 1 if solver.step_size < TINY * self._span else 0
         if self._tiny >= PATIENCE:
             raise RunFailure("step too small", f"steps become ever shorter near t = {solver.t:.6g} s: {WHY}")

@@ -18,7 +18,7 @@ from ...._jit.kernels.scalars import Scalars
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ..inputs.laws_of_time import ASIDE
-from ..stepping.nodes import Nodes, between
+from ..stepping.nodes import between
 
 NEAR = 1e-10  # of a step: so long before a switch a step ends, and so long behind it the next one begins
 BESIDE = 1e-6  # of a step: between two states that give the rate of a function
@@ -408,25 +408,3 @@ def shorter(sw: Switching, step: Step, crossing: Crossing) -> float:
         crossing.tries += 1
         return length
     return without(sw, crossing)
-
-
-@compiled(entry=True)
-def passed_twice(
-    sw: Switching, b: Array, places: Array, nodes: Nodes, apart: bool, crossing: Crossing
-) -> float:
-    """The time of the first switch that is passed there and back within one step; infinite if there is none.
-
-    A step into a hard contact may end in it on the way back already.
-    """
-    t, q, v, a = nodes.t, nodes.q, nodes.v, nodes.a
-    for n in range(len(t) - 1):
-        for k in range(len(places)):
-            b[places[k]] = nodes.memory[n, k]
-        step = Step(b, t[n], t[n + 1] - t[n], q[n], v[n], a[n], q[n + 1], v[n + 1], a[n + 1], apart)
-        sw.ignored[:] = 0.0
-        if step.h > 0.0 and first_crossing(sw, step, crossing):
-            k = crossing.number
-            back = sw.period[k] == 0.0 and sw.value[FIVE - 1, k] * sw.rate[FIVE - 1, k] < 0.0
-            if back or crossing.stays < math.inf:
-                return float(step.t + crossing.part * step.h)
-    return math.inf

@@ -55,8 +55,7 @@ class Plan:
     progress : called with the time reached after every chunk of steps
     store : where states are written as they are computed, instead of to memory
     budget : how many steps the run may take
-    free : whether steps end at switches of forces; else there is a warning where one passes two of them. None: they are
-        not looked for
+    free : whether steps end at switches of forces
     aside : how far kinks are before jumps; the method starts anew as far behind them
     behind : how long after the start a method begins that goes on from the accelerations there [s]
     stored : whether steps are stored for derivatives
@@ -72,7 +71,7 @@ class Plan:
     progress: Callable[[float], None] | None = None
     store: Store | None = None
     budget: StepBudget = field(default_factory=StepBudget)
-    free: bool | None = None
+    free: bool = False
     aside: float = 0.0
     behind: float = 0.0
     stored: bool = False

@@ -1,4 +1,4 @@
-"""The indices of a body's coordinates in q."""
+"""The coordinates of a rigid body, and their indices in q."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from .show import quote, suggest
 
-WIDTH = 7  # coordinates of a body
+POSITION, ROTATION = 3, 4  # widths of r [m] and of the Euler parameters p
+WIDTH = POSITION + ROTATION
 
 
 def number_of(body: str, bodies: Sequence[str], name: str) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from ..model.coordinates import WIDTH
 from ..model.expansion.blueprint import Placement
 from ..system import System
 from ..system.cached import once
@@ -27,7 +26,7 @@ def measured(system: System, name: str, where: str) -> JointCoordinate:
 @once
 def _alone(system: System, name: str, where: str) -> JointCoordinates:
     output = find_output(system, name)
-    found = JointCoordinates([placed_of(system, output, where)], system.nq // WIDTH)
+    found = JointCoordinates([placed_of(system, output, where)], system.layout)
     found.names = (output.name,)
     return found
 

@@ -30,13 +30,14 @@ from ..model.states.input import with_input_values
 from ..rendering import Display
 from .check import Report, check_derivatives
 from .curves.curve_potentials import curve_potentials, has_curve_potential
+from .layout import Layout
 from .operators.constraints import ConstraintOperators
 from .operators.element_values import ElementValues, memory_places
 from .operators.inertia import ForceOperators, InertiaOperators
 from .operators.joints import JointCoordinates, SystemJoint
 from .operators.operators import Operators
 from .operators.reactions import Wrench, wrench
-from .structure.population import Population, places_of, populate
+from .structure.population import Population, normalizations, places_of, populate
 from .structure.structure import structure_of
 
 MAIN = ("M", "Phi", "Phi_q", "Q", "gamma")  # those that a system itself completes
@@ -58,7 +59,8 @@ class System(Display, ConstraintOperators, InertiaOperators, ForceOperators):
     ----------
     warnings : messages about legal but suspicious input; results of its analyses contain them, too
     name : the model's name
-    bodies : names of the bodies; body k has the coordinates ``q[7 k : 7 k + 7]`` = [r; p]
+    bodies : names of the bodies
+    layout : where the coordinates of each body are in q and v, see `Layout`
     states : first-order states by name, with their place in v and unit; `moving` coordinates of bodies are before them
     followed_states : those that drivers follow, which are coordinates, with their place in q
     inputs : inputs by name, with the places of their numbers in `b`, see `InputPlaces`
@@ -89,17 +91,18 @@ class System(Display, ConstraintOperators, InertiaOperators, ForceOperators):
         self.bodies = plan.bodies
         self.q0, self.v0, self.given_v0 = plan.q, plan.v, plan.given
         self.states, self.followed_states = plan.states, plan.followed_states
-        self.nq = len(plan.q)
-        self.populations, self.b = populate(plan.placed, self.nq // WIDTH)
+        self.layout = Layout.of(plan.bodies, len(plan.q) // WIDTH - len(plan.bodies))
+        self.nq, firsts = self.layout.size, self.layout.firsts
+        self.populations, self.b = populate((*plan.placed, *normalizations(len(firsts))), firsts)
         self.m, self.m_holonomic = _rows(self.populations), _rows(self._holonomic_populations())
         self.nb = max((p.end for p in self.populations), default=0)
-        self.structure = structure_of(self.populations, self.nq // WIDTH, self.m, self.nb)
+        self.structure = structure_of(self.populations, self.layout.widths, self.m, self.nb)
         self._markers: dict[str, Marker] = {}
         self.rows = self._rows_of_joints()
         self.memory_places = memory_places(self.populations)
         self.inputs = input_places(model, plan.placed, self.populations, self.b)
-        self.joint_coordinates = JointCoordinates(plan.coordinates, self.nq // WIDTH)
-        self.counted_coordinates = JointCoordinates(plan.coordinates, self.nq // WIDTH, plan.rotations)
+        self.joint_coordinates = JointCoordinates(plan.coordinates, self.layout)
+        self.counted_coordinates = JointCoordinates(plan.coordinates, self.layout, plan.rotations)
         self.b, rounded = corrector()(self)
         self.warnings += announce(rounded)
 
@@ -155,7 +158,7 @@ class System(Display, ConstraintOperators, InertiaOperators, ForceOperators):
             return self
         found = copy(self)
         found.populations, found.m = self._holonomic_populations(), self.m_holonomic
-        found.structure = structure_of(found.populations, self.nq // WIDTH, found.m, self.nb)
+        found.structure = structure_of(found.populations, self.layout.widths, found.m, self.nb)
         every = {joint: rows[rows < found.m] for joint, rows in self.rows.items()}
         found.rows = {joint: rows for joint, rows in every.items() if len(rows)}
         return found

@@ -23,6 +23,7 @@ from ...algebra import Array
 from ...model.coordinates import WIDTH
 from ...system import System
 from ...system.cached import once
+from ...system.layout import Layout
 from ...system.structure.population import Population, firsts
 from ...system.structure.structure import structure_of
 from .length import POINTS, SMALL, radius_of_gyration
@@ -126,8 +127,9 @@ def separated(system: System) -> System:
         return replace(p, bodies=WIDTH * np.array(pairs, dtype=np.int64).reshape(p.bodies.shape))
 
     found.populations = [moved(p) for p in system.populations if p.kind.rows]
-    found.nq = WIDTH * len(index)
-    found.structure = structure_of(found.populations, len(index), system.m, system.nb)
+    found.layout = Layout.of([f"{owner}.{first}" for owner, first in index])
+    found.nq = found.layout.size
+    found.structure = structure_of(found.populations, found.layout.widths, system.m, system.nb)
     return found
 
 

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...model.coordinates import WIDTH
 from ...outputs.measure import placed_of
 from ...outputs.output import Level, Output, find_output
 from ...system import System
@@ -71,7 +70,7 @@ def of_names(
     outputs = tuple(find_output(system, name, Level.POSITION, where) for name in names)
     by_elements = [output for output in outputs if output.place is None]
     elements = [placed_of(system, output, where) for output in by_elements]
-    measured = JointCoordinates(elements, system.nq // WIDTH)
+    measured = JointCoordinates(elements, system.layout)
     row = [by_elements.index(output) if output.place is None else -1 for output in outputs]
     place = [output.place or 0 for output in outputs]
     return CoordinateSet(outputs, measured, np.array(row, np.int64), np.array(place, np.int64))

@@ -12,9 +12,9 @@ from scipy.sparse import csr_array
 from ..._jit.kernels.pointer import KernelTable, call_kernels
 from ..._jit.linking.link import compiled, link
 from ...algebra import Array
-from ...model.coordinates import WIDTH
 from ...model.expansion.blueprint import Placement
 from ...model.show import quote, suggest
+from ..layout import Layout
 from ..structure.population import populate
 from ..structure.structure import structure_of
 from .constraints import ConstraintOperators
@@ -38,15 +38,15 @@ class JointCoordinates(ConstraintOperators):
     """
 
     def __init__(
-        self, of_joints: Sequence[Placement], body_count: int, rotations: Sequence[Placement] = ()
+        self, of_joints: Sequence[Placement], layout: Layout, rotations: Sequence[Placement] = ()
     ) -> None:
-        self.bodies, self.of_joints, placed = (), len(of_joints), (*of_joints, *rotations)
+        self.layout, self.of_joints, placed = layout, len(of_joints), (*of_joints, *rotations)
         self.names = tuple(f"{one.owner}.{one.label}" for one in placed)
         self.angles = np.array(["Memory" in one.element.fields.values() for one in placed], dtype=bool)
-        self.populations, self.b = populate(placed, 0)
-        self.nq, self.m = WIDTH * body_count, len(placed)
+        self.populations, self.b = populate(placed, layout.firsts)
+        self.nq, self.m = layout.size, len(placed)
         numbers = max((p.end for p in self.populations), default=0)
-        self.structure = structure_of(self.populations, body_count, self.m, numbers)
+        self.structure = structure_of(self.populations, layout.widths, self.m, numbers)
 
     def index(self, name: str) -> int:
         """The row of a coordinate, such as ``pin.angle``.

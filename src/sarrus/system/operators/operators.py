@@ -11,8 +11,8 @@ from scipy.sparse import csr_array
 from ...algebra import Array
 from ...elements import GROUPS, OPERATORS
 from ...elements.operators import Axis
-from ...model.coordinates import WIDTH
 from ...model.show import show, suggest
+from ..layout import Layout
 from ..structure.group import Group
 from ..structure.pattern import Pattern
 from ..structure.population import Population
@@ -24,7 +24,7 @@ class Operators:
 
     populations: list[Population]
     nq: int
-    bodies: tuple[str, ...]
+    layout: Layout
     m: int
     b: Array
     structure: Structure
@@ -32,13 +32,13 @@ class Operators:
     @property
     def moving(self) -> int:
         """Number of coordinates of bodies; those of blocks of states follow them."""
-        return WIDTH * len(self.bodies)
+        return self.layout.bodies.size
 
     def pattern(self, name: str) -> Pattern:
         """The fixed sparse pattern of an operator."""
         known = self.structure.patterns
         if name not in known:
-            known[name] = self.structure.layout.pattern(OPERATORS[name])
+            known[name] = self.structure.axes.pattern(OPERATORS[name])
         return known[name]
 
     def group(self, *names: str) -> Group:
@@ -63,7 +63,7 @@ class Operators:
         if chosen not in known:
             _refuse_mixed(chosen)
             patterns = [self.pattern(name) for name in chosen]
-            known[chosen] = Group(chosen, self.structure.layout.populations, patterns)
+            known[chosen] = Group(chosen, self.structure.axes.populations, patterns)
         return known[chosen]
 
     def compilable(self) -> list[tuple[str, ...]]:
@@ -104,7 +104,7 @@ class Operators:
         """
         known = self.structure.magnitudes
         if name not in known:
-            known[name] = Magnitude(self.structure.layout, OPERATORS[name], self.pattern(name))
+            known[name] = Magnitude(self.structure.axes, OPERATORS[name], self.pattern(name))
         checked = {key: self._operand(key, value) for key, value in operands.items()}
         numbers = self.b if b is None else self._vector("b", b, len(self.b))
         found = known[name](numbers, [checked[key] for key in known[name].operands])
@@ -173,7 +173,7 @@ class Operators:
 
     def atoms(self, axis: Axis) -> Array:
         """First indices of the blocks along an axis: equations of elements, r and p of bodies, fields of elements."""
-        found = self.structure.layout.atoms(axis)
+        found = self.structure.axes.atoms(axis)
         return found.start[found.width > 0]
 
     def axis_names(self, axis: Axis) -> list[str]:
@@ -205,21 +205,14 @@ def _holds(data: Any, size: int) -> bool:
 
 
 def _coordinate_names(system: Any) -> list[str]:
-    parts = ("r.x", "r.y", "r.z", "p.e0", "p.e1", "p.e2", "p.e3")
-    return [f"{body}.{part}" for body in _blocks(system) for part in parts]
-
-
-def _blocks(system: Any) -> list[str]:
-    """Names of the bodies and of the blocks of states."""
-    count = system.nq // 7 - len(system.bodies)
-    return [*system.bodies, *(f"states {n + 1}" for n in range(count))]
+    return list(system.layout.names)
 
 
 def _row_names(system: Any) -> list[str]:
-    names, blocks = [""] * system.m, _blocks(system)
+    names, layout = [""] * system.m, system.layout
     for p in system.populations:
         for k in range(p.count if p.kind.rows else 0):
-            body = blocks[p.bodies[k, 0] // 7] if p.kind.bodies == 1 else ""
+            body = layout.owners[layout.owner_of[p.bodies[k, 0]]] if p.kind.bodies == 1 else ""
             owner = p.owners[k] or body
             several = "xyz" if p.kind.rows <= 3 else "123456"
             for n in range(p.kind.rows):

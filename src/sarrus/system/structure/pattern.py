@@ -15,7 +15,6 @@ from ...elements import BUILT_IN
 from ...elements.operators import Axis, Operator
 from ...elements.recorder import Variant, structure
 from ...linalg.rank import with_data
-from ...model.coordinates import WIDTH
 from .population import Population
 
 
@@ -57,12 +56,14 @@ class Pattern:
         return csr_array((np.zeros(self.size), self.indices, self.indptr), shape=self.shape)
 
 
-class Layout:
+class Axes:
     """The axes of a system, divided into atoms: its coordinates, constraint equations and parameters."""
 
-    def __init__(self, populations: Sequence[Population], body_count: int, row_count: int, number_count: int):
+    def __init__(
+        self, populations: Sequence[Population], widths: Array, row_count: int, number_count: int
+    ) -> None:
         self.populations = populations
-        self._coordinates = _atoms([3, 4] * body_count, WIDTH * body_count)
+        self._coordinates = _atoms(widths, int(widths.sum()))
         self._rows = self._row_atoms(row_count)
         self._numbers, self._first_number = self._number_atoms(number_count)
 
@@ -95,7 +96,7 @@ class Layout:
             return p.constraints
         if axis is Axis.PARAMETERS:
             return self._first_number[n] + piece + len(p.kind.fields) * np.arange(p.count)
-        return 2 * (p.bodies[:, piece // 2] // WIDTH) + piece % 2
+        return np.searchsorted(self._coordinates.start, p.bodies[:, piece // 2]) + piece % 2
 
     def pattern(self, operator: Operator) -> Pattern:
         """Pattern and positions of an operator over all populations of its family."""

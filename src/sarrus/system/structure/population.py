@@ -65,8 +65,13 @@ class Population:
         return self.at + self.count * self.kind.size() if self.count else self.at
 
 
-def populate(placed: Sequence[Placement], body_count: int) -> tuple[list[Population], Array]:
-    """Sort a blueprint's elements by kind, number their equations, add the normalizations, and lay out the parameters.
+def populate(placed: Sequence[Placement], firsts: Array) -> tuple[list[Population], Array]:
+    """Sort elements by kind, number their equations, and lay out the parameters.
+
+    Parameters
+    ----------
+    placed : elements
+    firsts : first coordinate of each body by number, without the ground
 
     Returns
     -------
@@ -75,29 +80,29 @@ def populate(placed: Sequence[Placement], body_count: int) -> tuple[list[Populat
     numbers : all numbers of all elements, then the curves and surfaces
     """
     members: dict[Variant, list[Any]] = {variant: [] for variant in USUAL}
-    normalizations = [_normalization(body) for body in range(1, body_count + 1)]
     row = place = 0
-    for p in sorted((*placed, *normalizations), key=lambda p: p.element.nonholonomic):
+    for p in sorted(placed, key=lambda p: p.element.nonholonomic):
         members.setdefault(Variant.of(p.element, p.bodies), []).append((p, row, place))
         row += p.element.rows
         place += p.element.rows > 0
     ordered = sorted(members.items(), key=lambda item: item[0].kind.nonholonomic)
-    populations = [_population(variant, found) for variant, found in ordered]
+    populations = [_population(variant, found, firsts) for variant, found in ordered]
     return populations, _lay_out(populations)
 
 
-def _normalization(body: int) -> Placement:
-    return Placement(Normalization, (body,), (), "", "normalization")
+def normalizations(count: int) -> list[Placement]:
+    """The normalizations of the Euler parameters of as many bodies."""
+    return [Placement(Normalization, (body,), (), "", "normalization") for body in range(1, count + 1)]
 
 
-def _population(variant: Variant, found: list[tuple[Placement, int, int]]) -> Population:
+def _population(variant: Variant, found: list[tuple[Placement, int, int]], firsts: Array) -> Population:
     if not found:
         return Population(variant, _no_bodies(variant.moving), [], [], [], NONE, NONE)
     placed, *places = zip(*found, strict=True)
     rows, constraints = np.array(places, dtype=np.int64)
     bodies = np.array([distinct(p.bodies) for p in placed], dtype=np.int64).reshape(-1, variant.moving)
     values, owners, labels = [p.values for p in placed], [p.owner for p in placed], [p.label for p in placed]
-    return Population(variant, WIDTH * (bodies - 1), values, owners, labels, rows, constraints)
+    return Population(variant, firsts[bodies - 1], values, owners, labels, rows, constraints)
 
 
 @cache

@@ -21,9 +21,8 @@ import numpy as np
 
 from ...algebra import Array
 from ...elements.operators import Operator
-from ...model.coordinates import WIDTH
 from .group import Group
-from .pattern import Layout, Pattern
+from .pattern import Axes, Pattern
 from .population import Population
 
 
@@ -33,20 +32,20 @@ class Magnitude:
     The compiled loops write each block of each element to a separate position, given by the index tables.
     """
 
-    def __init__(self, layout: Layout, operator: Operator, pattern: Pattern) -> None:
-        members = [n for n, p in enumerate(layout.populations) if operator in p.kind.family]
+    def __init__(self, axes: Axes, operator: Operator, pattern: Pattern) -> None:
+        members = [n for n, p in enumerate(axes.populations) if operator in p.kind.family]
         self._size, self._targets = pattern.size, np.zeros(0, dtype=np.int64)
         places = [
-            self._separate(layout, operator, n, old) for n, old in zip(members, pattern.places, strict=True)
+            self._separate(axes, operator, n, old) for n, old in zip(members, pattern.places, strict=True)
         ]
         none = np.zeros(0, dtype=np.int64)
         separate = Pattern((len(self._targets),), none, none, tuple(places))
-        self._group = Group((operator.name,), layout.populations, [separate])
+        self._group = Group((operator.name,), axes.populations, [separate])
         self.operands = self._group.operands
 
-    def _separate(self, layout: Layout, operator: Operator, n: int, old: Array) -> Array:
+    def _separate(self, axes: Axes, operator: Operator, n: int, old: Array) -> Array:
         """A table of separate positions; the target of each value is appended to the targets."""
-        heights, widths = _shapes(layout, operator, n, old.shape[:2])
+        heights, widths = _shapes(axes, operator, n, old.shape[:2])
         size = heights * widths
         start = len(self._targets) + np.cumsum(size.reshape(-1)) - size.reshape(-1)
         within = np.arange(int(size.sum())) - np.repeat(start - len(self._targets), size.reshape(-1))
@@ -64,12 +63,12 @@ class Magnitude:
         return np.bincount(self._targets, weights=abs(out), minlength=self._size)
 
 
-def _shapes(layout: Layout, operator: Operator, n: int, count: tuple[int, ...]) -> tuple[Array, Array]:
+def _shapes(axes: Axes, operator: Operator, n: int, count: tuple[int, ...]) -> tuple[Array, Array]:
     """Height and width of every block of every element of population n (elements, blocks)."""
     sizes = np.ones((2, *count), dtype=np.int64)
     for side, axis in enumerate(operator.axes):
-        for k, block in enumerate(layout.blocks(n, operator)):
-            sizes[side, :, k] = layout.atoms(axis).width[layout.atom_of(n, axis, block[side])]
+        for k, block in enumerate(axes.blocks(n, operator)):
+            sizes[side, :, k] = axes.atoms(axis).width[axes.atom_of(n, axis, block[side])]
     return sizes[0], sizes[1]
 
 
@@ -78,13 +77,13 @@ class Structure:
 
     Attributes
     ----------
-    layout : the axes, of populations without values
+    axes : of populations without values
     patterns, groups, magnitudes : by name and names; they are made at first use
     """
 
-    def __init__(self, populations: Sequence[Population], bodies: int, rows: int, numbers: int) -> None:
+    def __init__(self, populations: Sequence[Population], widths: Array, rows: int, numbers: int) -> None:
         bare = [replace(p, values=[], owners=[], labels=[]) for p in populations]
-        self.layout = Layout(bare, bodies, rows, numbers)
+        self.axes = Axes(bare, widths, rows, numbers)
         self.patterns: dict[str, Pattern] = {}
         self.groups: dict[tuple[str, ...], Group] = {}
         self.magnitudes: dict[str, Magnitude] = {}
@@ -101,19 +100,19 @@ _known: WeakValueDictionary[Hashable, Structure] = WeakValueDictionary()
 _asking = RLock()
 
 
-def structure_of(populations: Sequence[Population], bodies: int, rows: int, numbers: int) -> Structure:
-    """The structure of these elements: one object for all systems that have it."""
+def structure_of(populations: Sequence[Population], widths: Array, rows: int, numbers: int) -> Structure:
+    """The structure of these elements and widths of blocks: one object for all systems that have it."""
     own = tuple(
         (p.variant, p.at, p.bodies.tobytes(), p.rows.tobytes(), p.constraints.tobytes())
         for p in populations
         if p.count
     )
-    key = (own, bodies, rows, numbers)
+    key = (own, widths.tobytes(), rows, numbers)
     with _asking:
         found = _known.get(key)
         if found is None:
-            found = _known[key] = Structure(populations, bodies, rows, numbers)
-        if bodies * WIDTH <= SMALL:
+            found = _known[key] = Structure(populations, widths, rows, numbers)
+        if widths.sum() <= SMALL:
             _recent[key] = found
             _recent.move_to_end(key)
             if len(_recent) > RECENT:

@@ -51,7 +51,7 @@ class NamedOutputs:
         self._system = system
         full = {name: find_output(system, name).name for name in names}
         placed = [_placed(system, name, one) for name, one in full.items()]
-        populations, b = populate(placed, 0)
+        populations, b = populate(placed, system.layout.firsts)
         values, self._memory = (
             ElementValues("outputs", populations, _values, ("q", "v")),
             memory_places(populations),

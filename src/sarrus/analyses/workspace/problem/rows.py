@@ -102,7 +102,7 @@ class Problem:
 
     def _prepare_operators(self) -> None:
         system, every = self.system, np.arange(self.n)
-        self.functions = JointCoordinates(self._placed(), system.nq // WIDTH)
+        self.functions = JointCoordinates(self._placed(), system.layout)
         self.row_scale, inverse, count = self._row_scales(), 1 / self.units, len(self.table)
         place_of = np.full(system.m, -1)
         place_of[self.independent] = np.arange(self.m)

@@ -1,0 +1,183 @@
+"""The layout of coordinates, and that no other file knows how many a body has."""
+
+import ast
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.states.motors import motor
+
+import sarrus as sr
+from sarrus.system.layout import POSITION, ROTATION, STATES
+
+SOURCE = Path(sr.__file__).parent
+OPERATIONS = (ast.Mult, ast.Div, ast.FloorDiv, ast.Mod)
+SIZED = {"reshape", "repeat", "tile", "zeros", "full", "empty", "inputs"}  # functions that take widths
+
+DEFINED = {"model/coordinates.py"}  # what a rigid body is
+BARS = {"analyses/progress.py", "cli/progress.py"}  # widths of bars on the screen
+POLYNOMIALS = {
+    "analyses/workspace/tracing/point.py": 1,
+    "elements/forces/tyres/magic_formula_wheel.py": 1,
+    "model/laws/path.py": 1,
+}  # whose sevens have nothing to do with bodies
+LEFT = {
+    "analyses/driven/motion_loop.py": 4,
+    "analyses/dynamics/dense_output/sample_loop.py": 1,
+    "analyses/dynamics/integrators/described.py": 1,
+    "analyses/dynamics/step_loop/newton.py": 2,
+    "analyses/dynamics/stepping/failures.py": 1,
+    "analyses/dynamics/stepping/motion_scale.py": 8,
+    "analyses/dynamics/stepping/step_budget.py": 1,
+    "analyses/dynamics/stepping/tolerance.py": 10,
+    "analyses/dynamics/time_loop/energy_check.py": 1,
+    "analyses/equations/equilibration.py": 5,
+    "analyses/equations/joint_wrenches.py": 10,
+    "analyses/equations/length.py": 9,
+    "analyses/equations/minimum_norm.py": 4,
+    "analyses/equations/motion.py": 3,
+    "analyses/equations/nullspace.py": 2,
+    "analyses/equations/projection.py": 1,
+    "analyses/equilibria/independent_coordinates.py": 3,
+    "analyses/equilibria/vibration.py": 4,
+    "analyses/position/assembly.py": 2,
+    "analyses/position/assembly_changes.py": 2,
+    "analyses/position/initial_state.py": 1,
+    "analyses/position/least_change.py": 4,
+    "analyses/position/metric_derivatives.py": 2,
+    "analyses/position/restraint.py": 7,
+    "analyses/position/velocity.py": 2,
+    "analyses/sensitivity/lagrangians/elements.py": 2,
+    "analyses/workspace/dexterity.py": 2,
+    "analyses/workspace/problem/formulation.py": 4,
+    "analyses/workspace/problem/random_positions.py": 1,
+    "analyses/workspace/problem/rows.py": 1,
+    "analyses/workspace/tracing/stratum.py": 2,
+    "elements/element.py": 1,
+    "elements/evaluation.py": 1,
+    "elements/recorder.py": 2,
+    "io/export/contents.py": 6,
+    "model/expansion/blueprint.py": 2,
+    "model/expansion/suspicions.py": 4,
+    "model/file/save.py": 4,
+    "model/laws/path.py": 2,
+    "model/words.py": 2,
+    "outputs/elements.py": 1,
+    "outputs/energy.py": 4,
+    "outputs/joints.py": 1,
+    "outputs/outputs.py": 1,
+    "outputs/points.py": 1,
+    "outputs/recording.py": 2,
+    "results/motion/trajectory.py": 1,
+    "system/check.py": 2,
+    "system/curves/lanes.py": 2,
+    "system/layout.py": 2,
+    "system/operators/reactions.py": 2,
+    "system/system.py": 1,
+    "views/browser/page.py": 2,
+    "views/glb.py": 2,
+    "views/looks/frame.py": 3,
+    "views/looks/part.py": 4,
+    "views/looks/sketch.py": 1,
+    "views/motion.py": 4,
+    "views/notebook.py": 1,
+    "views/shows.py": 2,
+}  # files that compute with the width of a body: the list may only shrink
+
+
+def is_width(node: ast.AST) -> bool:
+    """Whether an expression is the number of a body's coordinates."""
+    return getattr(node, "id", "") == "WIDTH" or (
+        isinstance(node, ast.Constant) and type(node.value) is int and node.value == 7
+    )
+
+
+def is_pair(node: ast.AST) -> bool:
+    """Whether an expression is the pair of widths of r and p."""
+    parts = node.elts if isinstance(node, ast.Tuple | ast.List) else []
+    return [getattr(part, "value", None) for part in parts] == [3, 4]
+
+
+def widths(tree: ast.AST) -> Iterator[ast.AST]:
+    """Places in which the width of a body is used."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.BinOp) and isinstance(node.op, OPERATIONS):
+            if is_width(node.left) or is_width(node.right):
+                yield node
+        elif isinstance(node, ast.Call):
+            name = getattr(node.func, "attr", getattr(node.func, "id", ""))
+            sizes = [part for one in node.args for part in (one, *getattr(one, "elts", ()))]
+            if (
+                any(map(is_width, sizes))
+                if name in SIZED
+                else name == "range" and any(map(is_width, sizes[2:]))
+            ):
+                yield node
+        elif is_pair(node) or (isinstance(node, ast.Slice) and node.upper and is_width(node.upper)):
+            yield node
+
+
+def found() -> Counter[str]:
+    """How often each file computes with the width of a body."""
+    counts = {
+        path.relative_to(SOURCE).as_posix(): len([*widths(ast.parse(path.read_text(encoding="utf-8")))])
+        for path in SOURCE.rglob("*.py")
+    }
+    return Counter({name: count for name, count in counts.items() if count and name not in DEFINED | BARS})
+
+
+def test_the_layout_alone_knows_the_width_of_a_body() -> None:
+    assert found() == Counter(POLYNOMIALS) + Counter(LEFT)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "7 * n",
+        "k // 7",
+        "k % 7 < 3",
+        "x.reshape(-1, 7)",
+        "[3, 4] * n",
+        "q[3:7]",
+        "np.zeros((n, 7))",
+        "n * WIDTH",
+    ],
+)
+def test_what_is_a_width(text: str) -> None:
+    assert [*widths(ast.parse(text))]
+
+
+def test_what_is_none() -> None:
+    assert not [*widths(ast.parse("x - 7; f(7); (3, 4, 5); 0.7 * y; seed(seed=7); x.reshape(-1, 3)"))]
+
+
+def test_blocks_of_bodies_and_states() -> None:
+    """The blocks cover all coordinates in their order, and their owners are those of the names."""
+    system = sr.System(motor())
+    layout = system.layout
+    assert [(b.kind, b.owner, b.start) for b in layout.blocks] == [
+        (POSITION, "arm", 0), (ROTATION, "arm", 3), (STATES, "states 1", 7), (ROTATION, "states 1", 10),
+    ]  # fmt: skip
+    assert [*layout.owners] == ["arm", "states 1"]
+    assert layout.size == system.nq
+    names = np.array(system.coordinate_names)
+    for index, part in ((layout.positions, ".r."), (layout.rotations, ".p.")):
+        assert all(part in name for name in names[index].ravel())
+    owner = [layout.owners[n] for n in layout.owner_of]
+    assert owner == [name.split(".")[0] for name in names]
+    assert all((".r." in name) == is_length for name, is_length in zip(names, layout.is_length, strict=True))
+    assert layout.bodies.size == system.moving == len(layout.owner_of) // 2
+
+
+def test_units_of_all_coordinates() -> None:
+    layout = sr.System(motor()).layout
+    assert [*layout.scales(2.5)] == [block.scale(2.5) for block in layout.blocks for _ in range(block.width)]
+    norms = np.linalg.norm(sr.System(motor()).q0[layout.rotations], axis=1)
+    assert norms == pytest.approx(1.0)
+
+
+if __name__ == "__main__":
+    for name, count in sorted((found() - Counter(POLYNOMIALS)).items()):
+        print(f'    "{name}": {count},')

@@ -193,7 +193,7 @@ REFUSED: list[Mistake] = [
     ("branch of a function", lambda: system(drivers=[driver(lambda t: 0 if t < 1 else 1)]), "motor", "branch"),
     ("wrt as a number", lambda: sr.sensitivity(run(), "arm.x", wrt=3), "wrt", "Give a list"),  # type: ignore[arg-type]
     ("moving point of a body", lambda: system(forces=[spring(point_j=ARM.point(0, 0, "t"))]), "arm", "sarrus.ground"),
-    ("moving point misspelt", lambda: system(forces=[spring(point_i=sr.ground.point(0, 0, "tt"))]), "tt", "Remove it"),
+    ("moving point misspelt", lambda: system(forces=[spring(point_i=sr.ground.point(0, 0, "tt"))]), "tt", "a number"),
     ("Euler parameters of 0", lambda: sr.simulate(pendulum(), [0.0] * 7, until=1), "arm", "Give [1, 0, 0, 0]"),
     ("start of another model", lambda: sr.simulate(pendulum(), [0.0] * 3, until=1), "7 finite numbers", "vector"),
     ("file ending", lambda: pendulum().model.save("m.txt"), "m.txt", ".yaml"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -85,6 +86,33 @@ def test_straight_road(tmp_path: Path) -> None:
     assert surface.z == pytest.approx(HEIGHTS + 0.04 * np.arange(5)[:, None] / 2, abs=1e-12)
     x, y = np.meshgrid(surface.x, surface.y, indexing="ij")
     assert surface.height(x, y) == pytest.approx(road.xy_to_z(x, y), abs=1e-12)
+
+
+def numbered(text: str) -> str:
+    """The text of a road with numbers of long sections in place of positions, whose edges the header has alone."""
+    for n, place in enumerate(("-1.000", "0.000", "1.000"), 1):
+        text = text.replace(f"D:long section at v = {place}", f"D:long section {n}")
+    return text
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            ("v_left = 1.0", "v_left = 5.0"),
+            "declares the left edge at 5 m, but the sections end at 1 m. Correct",
+        ),
+        (("v_increment = 1.0", "v_increment = 0.1"), "the left edge at 1 m, but the sections end at -0.8 m"),
+    ],
+)
+def test_a_declared_width_that_contradicts_the_sections(
+    tmp_path: Path, change: tuple[str, str], message: str
+) -> None:
+    pytest.importorskip("pyopencrg")
+    text = numbered(opencrg(tmp_path, 0.0).read_text())
+    assert sr.load_road(opencrg(tmp_path, 0.0, text)).y == pytest.approx([2.0, 3.0, 4.0])
+    with pytest.raises(sr.ModelError, match=re.escape(message)):
+        sr.load_road(opencrg(tmp_path, 0.0, text.replace(*change)))
 
 
 def test_turned_road(tmp_path: Path) -> None:

@@ -82,6 +82,8 @@ def test_units_are_short(unit: str, wanted: str) -> None:
         ("integral(slider.velocity.x**2)", "m²/s"),
         ("rms(pin.force.z) / spring.k", "m"),
         ("sqrt(integral(slider.x))", "m^0.5 s^0.5"),
+        (sr.Final("atan(slider.velocity.x/slider.velocity.z)"), "rad"),
+        (sr.Combined(lambda x, y: x / y, [sr.Final("atan2(slider.x, 2)"), "slider.x"]), "rad/m"),
     ],
 )
 def test_units_of_responses(response: object, unit: str) -> None:

@@ -148,6 +148,10 @@ def test_a_loaded_run_names_the_folder_that_holds_its_steps(tmp_path: Path) -> N
             sr.sensitivity(run, "b.z", ["b.mass"])
         assert str(wrong.value).endswith(f"sarrus.resume({str(folder)!r}).")
     assert sr.sensitivity(sr.resume(folder), "b.z", ["b.position.z"]).matrix == pytest.approx(1.0)
-    sr.simulate(falling(), until=0.1, save=tmp_path / "without")
-    with pytest.raises(ValueError, match=r"Call simulate\(\.\.\., store='steps'\)"):
-        sr.sensitivity(sr.load_run(tmp_path / "without", falling()), "b.z", ["b.mass"])
+    run = sr.simulate(falling(), until=0.1, save=tmp_path / "without")
+    run.save(tmp_path / "later")
+    for name in ("without", "later"):
+        remedy = rf"are not in .*{name}\. Repeat it by simulate\(\.\.\., store='steps', save=folder\), and open it by"
+        for ask in (lambda one: sr.sensitivity(one, "b.z", ["b.mass"]), lambda one: one.error("b.z")):
+            with pytest.raises(ValueError, match=remedy):
+                ask(sr.load_run(tmp_path / name, falling()))

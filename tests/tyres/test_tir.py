@@ -118,6 +118,14 @@ def test_ranges_of_the_mirrored_tyre_are_exchanged() -> None:
     assert "CAMMAX" not in found
 
 
+def test_the_command_warns_of_a_load_beyond_the_range_of_the_file(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["tyre", "passenger_car", "--load", "1e9"]) == 0
+    message = "the load 1e+09 N is beyond 11000 N, where the forces are constant. Give a smaller load"
+    assert message in capsys.readouterr().err
+    assert main(["tyre", "passenger_car", "--load", "4 kN"]) == 0
+    assert "beyond" not in capsys.readouterr().err
+
+
 def test_diagrams_of_files_tyres_and_loads() -> None:
     tyre = sr.load_tyre("passenger_car")
     assert sr.views.tyre_figure(tyre).axes[0].get_legend().get_texts()[1].get_text() == "4.5 kN"

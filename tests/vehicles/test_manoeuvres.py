@@ -61,6 +61,19 @@ def test_the_yaw_gain_and_its_derivative_are_those_of_the_single_track(step: sr.
     assert found == pytest.approx(by_mass, rel=1e-5)
 
 
+def test_a_study_of_a_manoeuvre_has_its_numbers_by_name(system: sr.System) -> None:
+    def analysis(one: sr.System) -> sr.Manoeuvre:
+        return sr.step_steer(one, SPEED, ANGLE, until=6.0, names=NAMES, method=FINE)
+
+    masses, names = [1150.0, 1250.0], ["yaw_rate_gain", "1/yaw_rate_gain", "jaw_rate"]
+    table = sr.study(system.model, {"chassis.mass": masses}, names[:2], analysis=analysis, workers=1)
+    for row, mass in enumerate(masses):
+        assert table["yaw_rate_gain"][row] == pytest.approx(gain(mass), rel=1e-7)
+        assert table["1/yaw_rate_gain"][row] == pytest.approx(1 / gain(mass), rel=1e-7)
+    wrong = sr.study(system.model, {"chassis.mass": [1150.0]}, names[2], analysis=analysis, workers=1)
+    assert "the function returned no 'jaw_rate'. Did you mean" in wrong.failures[0]
+
+
 def step_metrics(chassis: float) -> dict[str, float]:
     """The metrics of ISO 7401 from the linear equations, at the origin of the chassis."""
     A, B = state_matrix(SPEED, chassis)
@@ -380,7 +393,11 @@ def test_what_cannot_be_judged_is_refused(car: sr.System) -> None:
 def test_arguments_of_manoeuvres_are_checked(car: sr.System) -> None:
     for error, message, run in (
         (TypeError, "speed must be a number, got NoneType", lambda: sr.step_steer(car, None)),  # type: ignore[arg-type]
-        (sr.ModelError, "speed has the unknown name .fast", lambda: sr.step_steer(car, "fast")),  # type: ignore[arg-type]
+        (
+            sr.ModelError,
+            "speed must be a number, got .fast.. Give a number in m/s, or with its unit",
+            lambda: sr.step_steer(car, "fast"),
+        ),  # type: ignore[arg-type]
         (sr.ModelError, "angle must be in rad", lambda: sr.step_steer(car, angle="2 s")),  # type: ignore[arg-type]
         (sr.ModelError, "at must be .* at least 0", lambda: sr.step_steer(car, at=-1.0)),
         (sr.ModelError, "rise must be a positive number", lambda: sr.step_steer(car, rise=0.0)),

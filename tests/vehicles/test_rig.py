@@ -91,6 +91,18 @@ def test_steering() -> None:
     assert result.unit("steer") == "m"
 
 
+def test_straight_ahead_radii_are_infinite_and_not_in_the_table() -> None:
+    """An angle of round-off is none: neither the radius nor its slope, nor the percentage, is a number there."""
+    result = both()
+    for name in ("turn_radius", "turn_diameter", "ackermann_percentage"):
+        assert result.at(name, 0.0, "steer") == np.inf
+        assert np.isfinite(np.delete(result.curve(name, "steer"), np.argmin(abs(result.x("steer"))))).all()
+        assert name not in result.table("steer")
+    assert "ackermann_error" in result.table("steer")
+    with pytest.raises(sr.SarrusError, match="left turn_radius in steer is infinite at 0"):
+        result.sensitivity("turn_radius", sweep="steer")
+
+
 def test_virtual_kingpin() -> None:
     """With the spring locked, the knuckle turns about its ball joints: values, and derivatives by the joints."""
     given, found = steered(), sr.suspension(system(), right=wheel(kingpin=None), vehicle=WHOLE, **RACK)

@@ -105,6 +105,18 @@ def test_a_road_that_moves_is_drawn_where_it_is(tmp_path: Path) -> None:
     assert scene["accessors"][path]["min"] == pytest.approx([0, 0, rises[:, 2].min()])
 
 
+def test_roads_are_numbered_without_the_wheels_whose_spins_are_states() -> None:
+    """The tyre has the name of a road, and a frame as a road that moves has."""
+    body = sr.Body("hub", mass=20.0, inertia=(1, 1, 1), position=(0, 0, 0.3))
+    law = {"k": 2e4, "c_kappa": 2e4, "c_alpha": 2e4, "mu": 1.0, "radius": RADIUS}
+    tyres = [
+        sr.BrushTyre("roadster", body.point(0, 0, 0), **law, spin_inertia=1.0),
+        sr.RoadTyre("shaken", body.point(0, 0, 0), k=2e4, c=300.0, radius=RADIUS, bump="0.02*cos(9*t)"),
+    ]
+    drawn = sketch(sr.Model("two", [body], [], tyres))
+    assert [frame.name for frame in drawn.moving] == ["roadster", "road 1"]
+
+
 def test_every_tyre_of_the_vehicle_is_on_one_flat_road() -> None:
     drawn = sketch(sr.load("hmmwv"))
     (road,) = (part for part in drawn.parts if part.description == "road")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from ..model import ModelError, Surface
 from ..model.errors import restated
 
 ENDINGS = (".csv", ".crg")
+HEADER = 1 << 20  # [bytes] of an OpenCRG file that are searched for its header
 
 
 def load_road(
@@ -42,8 +44,8 @@ def load_road(
     Raises
     ------
     ModelError
-        If the file cannot be read, or has missing heights; if pyopencrg is not installed; if a road needs a spacing, or
-        a smaller one for the tolerance, as one that crosses itself always does.
+        If the file cannot be read, contradicts itself, or has missing heights; if pyopencrg is not installed; if a road
+        needs a spacing, or a smaller one for the tolerance, as one that crosses itself always does.
     """
     file = Path(path)
     if file.suffix.lower() not in ENDINGS:
@@ -95,6 +97,7 @@ def _opencrg(file: Path, spacing: float | None, tolerance: float) -> Surface:
     except (ValueError, OSError, pyopencrg.CrgCheckError) as error:
         message = f"pyopencrg cannot read the file: {str(error).strip().splitlines()[0].rstrip('.')}"
         raise ModelError(f"{message}. Correct it, or write it again.") from None
+    _refuse_other_width(file, road)
     x, y = road.grid_xy()
     z = road.surface_z()
     missing = int(np.sum(~np.isfinite(z)))
@@ -106,6 +109,21 @@ def _opencrg(file: Path, spacing: float | None, tolerance: float) -> Surface:
     if np.ptp(road.y) == 0 and road.x[-1] > road.x[0]:
         return Surface(road.x, road.y[0] + road.v, z)
     return _resampled(road, (x, y, z), spacing, tolerance)
+
+
+def _refuse_other_width(file: Path, road: Any) -> None:
+    """Refuse edges that the header declares farther than half a spacing from the outer long sections."""
+    with file.open("rb") as stream:
+        header = stream.read(HEADER).decode("latin-1")
+    for side, place in (("right", road.v[0]), ("left", road.v[-1])):
+        declared = re.search(
+            rf"^\s*long_section_v_{side}\s*=\s*([-+.\deE]+)", header, re.MULTILINE | re.IGNORECASE
+        )
+        if declared and abs(float(declared[1]) - place) > np.diff(road.v).min() / 2:
+            edge = f"the header declares the {side} edge at {float(declared[1]):g} m"
+            raise ModelError(
+                f"{edge}, but the sections end at {place:g} m. Correct the header or the sections."
+            )
 
 
 def _resampled(

@@ -89,6 +89,10 @@ def fitted(
 
     law, names = tyre.law(), (wrt,) if isinstance(wrt, str) else tuple(wrt)
     slip, forces = columns(measured, law)
+    if not names:
+        raise ModelError("wrt is empty. Name the coefficients to estimate, such as wrt=['PDY1'].")
+    if repeated := [name for name in names if names.count(name) > 1]:
+        raise ModelError(f"wrt has {quote(repeated[0])} more than once. Name each coefficient once.")
     if not forces:
         raise ModelError("measured needs at least one of the columns F_x, F_y, M_x, M_y and M_z.")
     announce(_outside(measured, law))
@@ -196,7 +200,7 @@ def _check(
             limits = f"which is not within its bounds {low:g} and {high:g}"
             raise ModelError(f"{name} starts at {value:.6g}, {limits}. Correct them.")
     count = sum(map(len, forces.values()))
-    if not 0 < len(names) < count:
+    if not len(names) < count:
         raise ModelError(f"{count} measured values cannot determine {len(names)} coefficients.")
 
 

@@ -9,7 +9,7 @@ import re
 from collections.abc import Sequence
 
 from ..model import Frame, Model, ModelError, Point
-from ..model.expression import Expression, parse
+from ..model.expression import Call, Expression, parse
 from ..model.expression.units import ASCII, RAISED, in_ascii, unit_of
 from ..model.measure import In, measures_of
 from ..system import System
@@ -18,6 +18,7 @@ from ..system.cached import once
 NEWTON, JOULE = {"kg": 1.0, "m": 1.0, "s": -2.0}, {"N": 1.0, "m": 1.0}
 MOST = 3  # power of the newton in a unit
 TABLE = re.compile(r"\b\d+\.[xy]$")
+INVERSE = ("asin", "acos", "atan", "atan2")  # functions whose values are angles
 STATES = {"start.q": {"r": "m"}, "start.v": {"r": "m/s", "p": "1/s"}}  # of coordinates of bodies
 
 
@@ -57,6 +58,8 @@ def unit_of_tree(tree: Expression, units: dict[str, str]) -> str:
         return ""
     if found is None:
         return ""
+    if isinstance(tree, Call) and tree.function.name in INVERSE:
+        return "rad"
     alike = (units[name] for name, base in bases.items() if base == found)
     return next(alike, "") or _shortest(found)
 

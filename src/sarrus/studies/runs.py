@@ -357,7 +357,9 @@ class OwnRun(Run):
         if not getattr(result, "success", True):
             raise SarrusError(str(getattr(result, "message", "the function reports no success")))
         if not hasattr(result, "q"):
-            return CaseResult(result, np.zeros(1), lambda name: _entry({}, name))
+            numbers = getattr(result, "values", {})  # as those of a manoeuvre
+            known = numbers if isinstance(numbers, Mapping) else {}
+            return CaseResult(result, np.zeros(1), lambda name: _entry(known, name))
         return CaseResult(result, times_of(result), lookup_of(system, result))
 
     def check(self, system: System, responses: Iterable[Response], parameters: Container[str]) -> None:

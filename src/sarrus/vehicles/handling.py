@@ -55,7 +55,7 @@ def step_steer(
     ``yaw_rate_response_time`` and ``lateral_acceleration_response_time`` from half of the steering input to 90 % of the
     final value, ``..._peak``, and ``..._overshoot``, the peak over the final value less 1; if the yaw rate has a peak
     before the end, ``yaw_rate_peak_time`` from half of the steering input, and the ``tb_factor``, its product with the
-    final sideslip [s rad].
+    final sideslip [rad s].
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def step_steer(
         now = At(names.yaw_acceleration, time=T.time)
         responses["yaw_rate_peak_time"] = Measured(lambda y: T(0.0, y) - begin, [now])
         responses["tb_factor"] = Measured(
-            lambda y, beta: (T(0.0, y) - begin) * beta, [now, Final(names.sideslip)]
+            lambda y, beta: (T(0.0, y) - begin) * beta, [now, Final(names.sideslip)], symbol="rad s"
         )
     return judged("step steer", run, named(responses), histories(names))
 

@@ -29,7 +29,7 @@ from .compliance import Compliance, compliance
 from .corner import Side, given_side
 from .elastic import whole_motion
 from .rig import Rig, Sweep, coordinate
-from .tables import frame_of, text_table, write_csv
+from .tables import ROUND_OFF, frame_of, text_table, write_csv
 from .wheel import Axle, Vehicle
 
 SAME = 1e-9  # of the range of a sweep: displacements so near are the same
@@ -145,7 +145,8 @@ class Suspension(Result):
 
     def _values(self, response: Recorded) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):  # a radius is infinite straight ahead
-            return over(response.of(self._axles[response.sweep]), self.x(response.sweep))
+            values = over(response.of(self._axles[response.sweep]), self.x(response.sweep))
+        return np.where(abs(values) * ROUND_OFF > 1.0, np.inf, values)  # over an angle that is round-off
 
     @cached_property
     def _axles(self) -> dict[SweepName, Axle]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import pi
+from math import isfinite, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -97,7 +97,7 @@ def frame_of(result: Suspension, sweep: SweepName) -> Any:
 
 
 def text_table(result: Suspension, sweep: SweepName, side: Side) -> str:
-    """The characteristics of one side in the design position, and their slopes along a sweep."""
+    """The finite characteristics of one side in the design position, and their slopes along a sweep."""
     x, by = displacement(result, sweep), SHOWN[result.unit(sweep)]
     ends = f"{x.values[0]:g} to {x.values[-1]:g} {x.unit}"
     lines = [f"{result.name}, {side} wheel: {sweep} from {ends}"]
@@ -105,6 +105,8 @@ def text_table(result: Suspension, sweep: SweepName, side: Side) -> str:
     for name in result.names(sweep):
         scale = SHOWN[CHARACTERISTICS[name].unit]
         value = result.at(name, 0.0, sweep, side) / scale.size
+        if not isfinite(value):
+            continue
         line = f"  {name:<22}{_rounded(value):>18} {scale.unit:<4}"
         slope = result.at(name, 0.0, sweep, side, slope=True) * by.size / scale.size
         line += f"{_rounded(slope):>12} {scale.unit or 1}/{by.unit}"
@@ -117,4 +119,6 @@ def _rounded(value: float) -> str:
     return f"{0.0 if abs(value) < ROUND_OFF else value:.6g}"
 
 
-ROUND_OFF = 1e-9  # [mm], [deg] and their slopes: smaller values are shown as zero
+ROUND_OFF = (
+    1e-9  # [mm], [deg] and their slopes: smaller values are shown as zero, reciprocals of them are infinite
+)

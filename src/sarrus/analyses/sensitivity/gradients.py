@@ -10,6 +10,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from ...algebra import Array
+from ...model.announcement import Call
 from ...results import (
     Assembly,
     Equilibrium,
@@ -20,6 +21,7 @@ from ...results import (
     StateSpace,
     StepsTaken,
     Trajectory,
+    load_run,
 )
 from ...system import System
 from ..arguments import kind
@@ -158,6 +160,11 @@ def stored(run: Any) -> tuple[System, StepsTaken | Segments]:
         raise ValueError(
             f"{run.name}: derivatives need the steps of the run, which are stored in {run.steps_folder}. Open it with "
             f"sarrus.resume({run.steps_folder!r})."
+        )
+    if run.steps is None and isinstance(run.call, Call) and run.call.analysis is load_run:
+        raise ValueError(
+            f"{run.name}: derivatives need the steps of the run, which are not in {run.call.arguments['path']}. Repeat "
+            "it by simulate(..., store='steps', save=folder), and open it by sarrus.resume(folder)."
         )
     if run.system is None or run.steps is None or not len(run.steps):
         raise ValueError(

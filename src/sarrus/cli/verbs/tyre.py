@@ -52,6 +52,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         raise SarrusError(f"{chosen.output}: is the file of the tyre itself. Name another one.")
     tyre = load_tyre(chosen.file)
     tyre = tyre.mirrored() if chosen.mirrored else tyre
+    _warn_outside(tyre, chosen.load)
     found = _numbers(tyre, chosen.load)
     numbers = len(tyre.coefficients)
     title = f"{tyre.name}: Magic Formula, FITTYP {tyre.coefficients['FITTYP']:g}, {numbers} numbers"
@@ -70,13 +71,24 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     return 0
 
 
+def _warn_outside(tyre: TyreFile, load: float | None) -> None:
+    """Warn of a load beyond that for which the file is valid."""
+    from ...model.announcement import announce
+
+    law: Any = tyre.law()
+    high = law.ranges()["load"].high
+    if load is not None and load > high:
+        message = f"{tyre.name}: the load {load:g} N is beyond {high:g} N, where the forces are constant"
+        announce([f"{message}. Give a smaller load, or change FZMAX."])
+
+
 def _numbers(tyre: TyreFile, load: float | None) -> list[tuple[str, float, str]]:
     """Label, value and unit of what describes a tyre at a load."""
     from ...elements.forces.tyres import Slip
 
     law: Any = tyre.law()
     F_z = float(law.nominal_load) if load is None else load
-    slip = Slip(0.0, 0.0, 0.0, F_z, float(law.LONGVL))
+    slip = law.in_range(Slip(0.0, 0.0, 0.0, F_z, float(law.LONGVL)))
     x, y, w = law.longitudinal(slip), law.lateral(slip, 0.0), law.wrench(slip)
     sigma_x, sigma_y = law.relaxation_lengths(slip)
     return [

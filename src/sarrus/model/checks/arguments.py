@@ -281,7 +281,9 @@ def in_seconds(name: str, given: Any) -> Any:
         return quantity(given, "s") if isinstance(given, str) else given
     except ModelError as wrong:
         message = f'must be a time in s, got {show(given)}. Give a number, or a text such as "20 ms".'
-        raise ModelError(f"{name} {wrong.message if wrong.message.startswith('must') else message}") from None
+        raise ModelError(
+            f"{name} {wrong.message if wrong.message.startswith('must be in') else message}"
+        ) from None
 
 
 def in_bytes(name: str, given: Any) -> Any:

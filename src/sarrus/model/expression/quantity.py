@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..errors import ModelError
 from ..show import quote
-from .parser import parse_expression
+from .parser import parse
 from .tree import Expression
 from .units import fits, unit_of
 
@@ -27,15 +27,15 @@ def quantity(text: str, unit: str | None) -> float:
     ModelError
         If it is no number, or in a unit of another kind.
     """
-    return quantity_of(parse_expression(text), unit, text).value
+    return quantity_of(parse(text), unit, text).value
 
 
 def quantity_of(tree: Expression, unit: str | None, text: str = "") -> Quantity:
     """The value of a formula of numbers, and its unit; see `quantity`."""
     shown = quote(text or str(tree))
     if tree.names():
-        message = f"must be a number, got {shown}, which depends on {quote(tree.names()[0])}"
-        raise ModelError(f"{message}. Give a number{f' in {unit}' if unit else ''}.")
+        kind = f" in {unit}, or with its unit" if unit and unit != "1" else ""
+        raise ModelError(f"must be a number, got {shown}. Give a number{kind}.")
     powers = unit_of(tree, {})
     if unit is not None and not fits(powers, unit):
         wanted = "a plain number" if unit == "1" else f"in {unit}, or another unit of that kind"

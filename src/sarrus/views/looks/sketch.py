@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, count
 from typing import Any
 
 import numpy as np
@@ -133,7 +133,7 @@ class _Drawing:
             *self._joints(),
             *self._couplings(),
             *self._forces(),
-            *map(self._road, roads),
+            *self._roads(roads),
         ]
         return Sketch(
             self.model.name,
@@ -237,11 +237,12 @@ class _Drawing:
         centred = tyre._replace(points=(ORIGIN, ORIGIN), bodies=(number, number))
         yield from _tyre(centred._replace(description="tyre"), axle)
 
-    def _road(self, road: Road) -> Part:
-        if road.bump is None:
-            return road.part
-        number = 1 + sum(frame.name.startswith("road") for frame in self.moving)
-        return road.part._replace(body=self._add(lifted(f"road {number}", road.bump)))
+    def _roads(self, roads: Sequence[Road]) -> Iterator[Part]:
+        """Yield the slabs, those that move in frames of their own."""
+        number = count(1)
+        for part, bump in roads:
+            moved = self._add(lifted(f"road {next(number)}", bump)) if bump else part.body
+            yield part._replace(body=moved)
 
     def _add(self, frame: MovingFrame) -> int:
         """The number of a frame behind those of the bodies."""

@@ -14,7 +14,7 @@ from ....algebra import Array
 from ....linalg.factors import SingularSystem
 from ....model import ModelError
 from ....model.checks.arguments import as_numbers
-from ....model.expression import parse_expression
+from ....model.expression import parse
 from ....model.expression.quantity import quantity_of
 from ....system import System
 from ...equations.length import extent
@@ -161,7 +161,7 @@ def _in_si(name: str, kind: str, value: Any) -> Any:
     if not isinstance(value, str) or kind not in KINDS:
         return value
     try:
-        found = quantity_of(parse_expression(value), "1" if name == "rtol" else KINDS[kind], value)
+        found = quantity_of(parse(value), "1" if name == "rtol" else KINDS[kind], value)
     except ModelError as error:
         raise ValueError(f"{name} of {kind} {error.message}") from None
     return HALF * found.value if "rad" in found.powers else found.value

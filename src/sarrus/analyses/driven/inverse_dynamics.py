@@ -15,7 +15,7 @@ from ...model.announcement import reports_warnings
 from ...results import Trajectory
 from ...system import System
 from ..arguments import kind, refuse_other_system
-from ..equations.length import lever
+from ..equations.length import units
 from ..equations.minimum_norm import least_multipliers
 from ..equations.nullspace import NullSpace
 from ..equations.projection import largest
@@ -49,7 +49,7 @@ def multipliers(
     J = system.Phi_q(q, t, b=b)
     needed = system.Q(q, v, t, b=b) + system.S(q, v, b=b) - system.M_a(q, a, b=b)
     place = np.asarray(q, dtype=float)
-    lam = least_multipliers(system, NullSpace(J, lever(system, place, J)), J, place, b, needed)
+    lam = least_multipliers(system, NullSpace(J, units(system, place, J)), J, place, b, needed)
     return Multipliers(lam, needed - J.T @ lam)
 
 

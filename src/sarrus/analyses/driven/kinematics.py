@@ -17,7 +17,7 @@ from ...system.curves.curve_potentials import curve_potentials
 from ..arguments import refuse_for_positions
 from ..dynamics.dense_output.sampler import samples_at
 from ..dynamics.inputs.prescribed_motions import refuse_infinite_motions
-from ..equations.length import lever
+from ..equations.length import units
 from ..equations.nullspace import NullSpace
 from ..equations.projection import largest, onto
 from ..equations.table_ranges import announce_left_tables
@@ -174,7 +174,7 @@ class _Run:
 
     def _free(self, t: float, q: Array) -> str:
         J = self.system.Phi_q(q, t)
-        Z = NullSpace(J, lever(self.system, q, J)).Z
+        Z = NullSpace(J, units(self.system, q, J)).Z
         most = self.system.coordinate_names[int(np.argmax((Z * Z).sum(axis=1)))]
         count = f"{Z.shape[1]} degree{'s' if Z.shape[1] > 1 else ''} of freedom"
         return (

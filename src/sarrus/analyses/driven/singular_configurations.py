@@ -19,7 +19,7 @@ from ...model.announcement import reports_warnings
 from ...results import Singularities, Singularity, Trajectory
 from ...system import System
 from ..arguments import refuse_for_positions
-from ..equations.length import lever, scaled, units
+from ..equations.length import lever, scaled
 from ..equations.nullspace import normalizations
 from ..position.coordinate_set import of_names
 from ..position.least_change import FeasibleSearch
@@ -129,6 +129,7 @@ class _Watch:
         self._inputs = of_names(system, names, "an input")
         first, t = self.path(self.path.grid[0]), self.path.time(self.path.grid[0])
         self.length = lever(system, first, system.Phi_q(first, t))
+        self._unit = system.layout.scales(self.length)
         self._rows = self._regular()
         self.freedom = system.nq - len(self._rows)
         if names and len(names) != self.freedom:
@@ -140,7 +141,7 @@ class _Watch:
 
     def rows(self, s: float) -> csr_array:
         """Φ_q with rows of unit length, where displacements are measured in a length of the system."""
-        return unit_rows(scaled(self.system.Phi_q(self.path(s), self.path.time(s)), self.length))
+        return unit_rows(scaled(self.system.Phi_q(self.path(s), self.path.time(s)), self._unit))
 
     def _regular(self) -> Array:
         """A choice of independent rows where the rank is greatest."""
@@ -168,7 +169,7 @@ class _Watch:
     def _second_rows(self, s: float, interval: int) -> Array:
         if not self._inputs.outputs:
             return self.motions[interval]
-        rows = self._inputs.gradients(self.path(s)) * units(self.system.nq, self.length)
+        rows = self._inputs.gradients(self.path(s)) * self._unit
         return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
 
     def constraints(self, s: float) -> float:

@@ -16,7 +16,7 @@ from ..dynamics.dense_output.sample_loop import Samples
 from ..dynamics.dense_output.sampler import motion_entries, motion_work
 from ..dynamics.dense_output.winding import Winding
 from ..equations.block_matrix import LEFT_OUT, LESS, PRECISE, Numbers, Part, PlacedMatrix, refactor
-from ..equations.length import extent, scaled, units
+from ..equations.length import extent, scaled
 from ..equations.minimum_norm import left_out
 from ..equations.nullspace import NullSpace, pivoted_rows
 from ..equations.projection import ACCEPTED, allowed, largest
@@ -65,7 +65,7 @@ class Path:
 
     def choose_rows(self, t: float, q: Array) -> bool:
         """Take the equations that are independent at a place; whether they are others, as many as coordinates."""
-        rows = pivoted_rows(unit_rows(scaled(self.system.Phi_q(q, t, b=self.b), self._length)).toarray())
+        rows = pivoted_rows(unit_rows(scaled(self.system.Phi_q(q, t, b=self.b), self.unit)).toarray())
         if len(rows) < self.system.nq or np.array_equal(rows, self.rows):
             return False
         self.rows, self._matrix = rows, square_matrix(self.system, rows)
@@ -101,7 +101,7 @@ class Path:
     @property
     def unit(self) -> Array:
         """Return the size of a unit change of each coordinate, see `sarrus.analyses.equations.length` (nq,)."""
-        return units(self.system.nq, self._length)
+        return self.system.layout.scales(self._length)
 
     def sign(self, t: float, q: Array) -> float:
         """Return the sign of the determinant of the chosen equations.
@@ -207,7 +207,7 @@ class Path:
         """The state on a singular configuration that the motion passes: what is undetermined follows the predictor."""
         system, q, h = self.system, before.predicted(t), t - before.t
         for _ in range(loop.ITERATIONS):
-            solver = NullSpace(system.Phi_q(q, t, b=self.b), self._length, BRIDGED)
+            solver = NullSpace(system.Phi_q(q, t, b=self.b), self.unit, BRIDGED)
             q = q + solver.change(-system.Phi(q, t, b=self.b))
         missed = not self._accepted(t, q)
         if missed or solver.rank == system.nq or largest((q - before.q) / self.unit) > loop.JUMP:
@@ -219,13 +219,13 @@ class Path:
         return Instant(t, q, v, a, 0.0)
 
     def _accepted(self, t: float, q: Array) -> bool:
-        limits = allowed(self.system.Phi_q(q, t, b=self.b), q, self._length, ACCEPTED)
+        limits = allowed(self.system.layout, self.system.Phi_q(q, t, b=self.b), q, self._length, ACCEPTED)
         return bool(np.all(abs(self.system.Phi(q, t, b=self.b)) <= limits))
 
 
 def coordinate_scale(system: System, q: Array) -> Array:
     """Return the scale of each coordinate: the model's size for r, 1 for p (nq,)."""
-    return units(system.nq, extent(system, q))
+    return system.layout.scales(extent(system, q))
 
 
 def square_matrix(system: System, rows: Array) -> PlacedMatrix:

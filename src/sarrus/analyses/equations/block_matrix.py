@@ -313,7 +313,7 @@ def blocks_of(
     rows, columns = (np.concatenate(axis) for axis in zip(*places, strict=True))
     bounds = np.cumsum([len(own) for own, _ in places])
     numbers, kinds, row, column = np.array(found, np.int64).reshape(-1, 4).T.copy()
-    return Blocks(numbers, kinds, row, column, bounds, rows, columns)
+    return Blocks(numbers, kinds, row, column, bounds, rows, columns, system.layout.is_length)
 
 
 @once_alike

@@ -26,6 +26,7 @@ class Blocks(NamedTuple):
     row, column : (blocks,) where each begins in the matrix
     bounds : (blocks + 1,) where the numbers of each begin
     rows, columns : places of all numbers in their blocks
+    is_length : which coordinates are displacements (nq,)
     """
 
     part: Array
@@ -35,6 +36,7 @@ class Blocks(NamedTuple):
     bounds: Array
     rows: Array
     columns: Array
+    is_length: Array
 
 
 class Sizes(NamedTuple):
@@ -66,17 +68,17 @@ def length_exponent(blocks: Blocks, sizes: Sizes, turning: Array, moving: Array)
             row, column, size = blocks.rows[k], blocks.columns[k], size_of(blocks, sizes, n, k)
             if blocks.kind[n] == BETWEEN_COORDINATES:
                 diagonal = diagonal and row == column
-                if (row % 7 >= 3) != (column % 7 >= 3):
+                if blocks.is_length[row] != blocks.is_length[column]:
                     continue
                 equation, at = 0, column
             elif blocks.kind[n] == GRADIENT:
                 equation, at = row, column
             else:
                 equation, at = column, row
-            if at % 7 >= 3:
-                turning[equation] = max(turning[equation], size)
-            else:
+            if blocks.is_length[at]:
                 moving[equation] = max(moving[equation], size)
+            else:
+                turning[equation] = max(turning[equation], size)
         ratio = 0.0
         for k in range(len(moving)):
             if moving[k] > 0.0:
@@ -100,18 +102,18 @@ def equation_exponents(
             if blocks.kind[n] == TRANSPOSED:
                 equation, at = at, equation
             if blocks.kind[n] != BETWEEN_COORDINATES:
-                size = math.ldexp(size_of(blocks, sizes, n, k), of_length if at % 7 < 3 else 0)
+                size = math.ldexp(size_of(blocks, sizes, n, k), of_length if blocks.is_length[at] else 0)
                 largest[equation] = max(largest[equation], size)
     for k in range(len(exponents)):
         exponents[k] = -math.frexp(largest[k])[1] if largest[k] > 0.0 else 0
 
 
 @compiled
-def exponent_of(place: int, constraint: bool, of_length: int, equations: Array) -> int:
+def exponent_of(blocks: Blocks, place: int, constraint: bool, of_length: int, equations: Array) -> int:
     """Exponent of a row or a column within its block."""
     if constraint:
         return int(equations[place])
-    return of_length if place % 7 < 3 else 0
+    return of_length if blocks.is_length[place] else 0
 
 
 @compiled
@@ -120,8 +122,8 @@ def largest_exponents(blocks: Blocks, sizes: Sizes, of_length: int, equations: A
     for n in range(len(blocks.part)):
         largest = 0.0
         for k in range(blocks.bounds[n], blocks.bounds[n + 1]):
-            by = exponent_of(blocks.rows[k], blocks.kind[n] == GRADIENT, of_length, equations)
-            by += exponent_of(blocks.columns[k], blocks.kind[n] == TRANSPOSED, of_length, equations)
+            by = exponent_of(blocks, blocks.rows[k], blocks.kind[n] == GRADIENT, of_length, equations)
+            by += exponent_of(blocks, blocks.columns[k], blocks.kind[n] == TRANSPOSED, of_length, equations)
             largest = max(largest, math.ldexp(size_of(blocks, sizes, n, k), by))
         edges[0, n], edges[1, n] = math.frexp(largest)[1] if largest > 0.0 else 0, largest > 0.0
 
@@ -162,6 +164,6 @@ def exponents(blocks: Blocks, sizes: Sizes, m: int, rows: Array, columns: Array)
         row, column = blocks.row[n], blocks.column[n]
         for k in range(blocks.bounds[n], blocks.bounds[n + 1]):
             i, j = blocks.rows[k], blocks.columns[k]
-            of_row = exponent_of(i, blocks.kind[n] == GRADIENT, of_length, equations)
-            of_column = exponent_of(j, blocks.kind[n] == TRANSPOSED, of_length, equations)
+            of_row = exponent_of(blocks, i, blocks.kind[n] == GRADIENT, of_length, equations)
+            of_column = exponent_of(blocks, j, blocks.kind[n] == TRANSPOSED, of_length, equations)
             rows[row + i], columns[column + j] = of_row + of_rows[0, row], of_column + of_columns[0, column]

@@ -14,8 +14,10 @@ from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...linalg.rank import rows_of_entries, with_data
+from ...model.coordinates import POSITION, WIDTH
 from ...system import System
 from ...system.cached import once, once_alike
+from ...system.layout import Layout
 from ...system.structure.population import Population
 
 POINTS = {"s": 0, "center": 0, "s_i": 0, "s_j": 1}  # fields of elements that hold a point, and of which body
@@ -30,16 +32,21 @@ def extent(system: System, q: Array) -> float:
 
     Without any two different points it is the radius of gyration, and 1 m without inertia.
     """
-    points = np.concatenate([q[: system.moving].reshape(-1, 7)[:, :3], _points(system, q)])
+    points = np.concatenate([q[system.layout.positions], _points(system, q)])
     size, noise = float(np.ptp(points, axis=0).max(initial=0.0)), 1e-12 * float(abs(points).max(initial=0.0))
     return size if size > noise else radius_of_gyration(system) or 1.0
 
 
 def lever(system: System, q: Array, J: csr_array) -> float:
     """Largest lever arm of the constraints at a position: gradient by rotation over gradient by displacement [m]."""
-    size, (by_p, by_r) = extent(system, q), _norms(J)
+    size, (by_p, by_r) = extent(system, q), _norms(J, system.layout)
     arms = 0.5 * by_p[by_r > 0] / by_r[by_r > 0]
     return float(max(arms.max(initial=0.0), LEAST_LEVER * size))
+
+
+def units(system: System, q: Array, J: csr_array) -> Array:
+    """The unit of each coordinate at a position: the largest lever arm for displacements (nq,)."""
+    return system.layout.scales(lever(system, q, J))
 
 
 def unit_displacement(system: System, q: Array) -> float:
@@ -94,7 +101,7 @@ def dimensions(system: System) -> Dimensions:
     fixed, moving, _ = _places(system)
     rolling = [p for p in system.populations if p.count and p.kind.rows and RADIUS in p.kind.fields]
     radii = np.concatenate([np.zeros(0, dtype=np.int64), *(first_places(p, RADIUS) for p in rolling)])
-    origins = 7 * np.arange(system.moving // 7)[:, None] + np.arange(3)
+    origins = system.layout.positions
     number = len(moving) + len(radii) + len(fixed) + len(origins)
     return Dimensions(np.append(moving, radii), fixed, origins, number)
 
@@ -105,44 +112,39 @@ def kinematic_weights(system: System) -> Array:
 
     With the unit matrix in their place, by how much μ moves r and p would depend on the unit of length.
     """
-    return units(system.nq, extent(system, system.q0) ** -2.0)
+    return system.layout.scales(extent(system, system.q0) ** -2.0)
 
 
-def row_sizes(J: csr_array, length: float) -> Array:
+def row_sizes(J: csr_array, layout: Layout, length: float) -> Array:
     """Return the change of each equation for a displacement by the length, or for a rotation."""
-    by_p, by_r = _norms(J)
+    by_p, by_r = _norms(J, layout)
     sizes = np.where(by_r > 0, length * by_r, by_p)
     return np.where(sizes > 0, sizes, 1.0)
 
 
-def _norms(J: csr_array) -> tuple[Array, Array]:
+def _norms(J: csr_array, layout: Layout) -> tuple[Array, Array]:
     """The norms of each row's derivatives by Euler parameters, and by displacements (m,)."""
-    place = 2 * rows_of_entries(J) + (J.indices % 7 < 3)
+    place = 2 * rows_of_entries(J) + layout.is_length[J.indices]
     by_p, by_r = np.sqrt(np.bincount(place, J.data**2, 2 * J.shape[0])).reshape(-1, 2).T
     return by_p, by_r
 
 
-def scaled(J: csr_array, length: float) -> csr_array:
-    """J by coordinates of which r is measured in this length."""
-    return with_data(J, J.data * np.where(J.indices % 7 < 3, length, 1.0))
-
-
-def units(size: int, length: float) -> Array:
-    """Return the size of a unit change: the length for r, 1 for p (size,)."""
-    return np.where(np.arange(size) % 7 < 3, length, 1.0)
+def scaled(J: csr_array, unit: Array) -> csr_array:
+    """J by coordinates that are measured in these units (nq,)."""
+    return with_data(J, J.data * unit[J.indices])
 
 
 def _points(system: System, q: Array) -> Array:
     """Points of elements in global axes (count, 3)."""
-    fixed, moving, bodies = _places(system)
-    (r, p), s = np.split(q.reshape(-1, 7)[bodies].T, [3]), system.b[moving.T]
+    fixed, moving, firsts = _places(system)
+    (r, p), s = np.split(q[firsts + np.arange(WIDTH)[:, None]], [POSITION]), system.b[moving.T]
     e0, e = p[0], p[1:]
     return np.concatenate([system.b[fixed], (r + s + 2 * _cross(e, _cross(e, s) + e0 * s)).T])
 
 
 @once_alike
 def _places(system: System) -> tuple[Array, Array, Array]:
-    """Places (count, 3) among the numbers of points on the ground and of others, and the bodies of these."""
+    """Places (count, 3) among the parameters of points on the ground and of others, and the firsts of their bodies."""
     found = list(_fields(system))
     none = np.zeros((0, 3), dtype=np.int64)
     fixed = [none, *(at for at, bodies in found if bodies is None)]
@@ -158,14 +160,14 @@ def first_places(p: Population, name: str) -> Array:
 
 
 def _fields(system: System) -> Iterator[tuple[Array, Array | None]]:
-    """Yield the places of points (count, 3), and their bodies but for the ground."""
+    """Yield the places of points (count, 3), and where their bodies begin but for the ground."""
     for p in system.populations:
         if p.count and p.kind.bodies <= 2:
             for name, side in POINTS.items():
                 if p.kind.fields.get(name) == "Vec3":
                     slot = p.variant.slots[side]
                     at = first_places(p, name)[:, None] + np.arange(3)
-                    yield at, None if slot < 0 else p.bodies[:, slot] // 7
+                    yield at, None if slot < 0 else p.bodies[:, slot]
 
 
 def _cross(a: Array, b: Array) -> Array:
@@ -176,7 +178,8 @@ def _cross(a: Array, b: Array) -> Array:
 @once
 def radius_of_gyration(system: System) -> float:
     """The largest of all bodies, which does not depend on the position; 0 without inertia [m]."""
-    mass = system.M(system.q0).diagonal()[: system.moving].reshape(-1, 7)
-    heavy = mass[:, 0] > 0
-    squares = mass[heavy, 3:].sum(axis=1) / (12 * mass[heavy, 0])  # the trace of 4 GᵀJG is 4 tr J
+    inertia, layout = system.M(system.q0).diagonal(), system.layout.bodies
+    mass, turning = inertia[layout.positions[:, 0]], inertia[layout.rotations]
+    heavy = mass > 0
+    squares = turning[heavy].sum(axis=1) / (12 * mass[heavy])  # the trace of 4 GᵀJG is 4 tr J
     return float(np.sqrt(squares.max(initial=0.0)))

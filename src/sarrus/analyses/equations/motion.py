@@ -42,7 +42,7 @@ class Saddle:
             self._indptr, self._indices = (x.astype(np.int64) for x in (numbered.indptr, numbered.indices))
         self._factors: LUFactors | SparseLU | None = None
         self._unit, self._row_scale, self._column_scale = 1.0, np.ones(self.m), np.ones(self.nq)
-        self._weighted = weight == "M"
+        self._weighted, self._is_length = weight == "M", system.layout.is_length
 
     def factor(self, W: Array, Phi_q: Array) -> None:
         """Factor the matrix of the numbers of W and Φ_q.
@@ -72,9 +72,9 @@ class Saddle:
         entries, count = len(W), len(Phi_q)
         transposed = slice(entries, entries + count)
         columns, rows = self._rows[transposed], self._columns[transposed] - self.nq
-        turning = columns % 7 >= 3
+        turning = ~self._is_length[columns]
         if self._weighted:
-            at = self._rows[:entries] % 7 >= 3
+            at = ~self._is_length[self._rows[:entries]]
             parts = abs(W[at]).max(initial=0.0), abs(W[~at]).max(initial=0.0)
             length = np.sqrt(parts[0] / parts[1]) if min(parts) > 0 else 1.0
         else:
@@ -82,7 +82,7 @@ class Saddle:
             both = (by_p > 0) & (by_r > 0)
             length = float(np.max(by_p[both] / by_r[both], initial=0.0)) or 1.0
         inverse = 1.0 / _power_of_two(np.array([length]))
-        self._column_scale = np.where(np.arange(self.nq) % 7 < 3, 1.0, inverse)
+        self._column_scale = np.where(self._is_length, 1.0, inverse)
         largest = _largest(rows, Phi_q * self._column_scale[columns], self.m)
         self._row_scale = np.where(largest > 0, 2.0 ** -np.frexp(largest)[1], 1.0)
 

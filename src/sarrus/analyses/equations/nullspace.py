@@ -13,7 +13,7 @@ from ...algebra import Array
 from ...linalg.rank import DEPENDENT, TOLERANCE
 from ...model import ModelError
 from ...system import System
-from .length import LEAST_LEVER, extent, lever, units
+from .length import LEAST_LEVER, extent, units
 
 
 class NullSpace:
@@ -22,7 +22,7 @@ class NullSpace:
     Parameters
     ----------
     J : (m, n) sparse
-    length : by which displacements are measured, see `sarrus.analyses.equations.length`
+    unit : of each coordinate (n,), a length for displacements, see `Layout.scales`
     tolerance : a singular value relative to the largest that counts as zero
 
     Attributes
@@ -34,8 +34,9 @@ class NullSpace:
     share : (n - rank, n) with share Z = I, zero for what `change` returns
     """
 
-    def __init__(self, J: Any, length: float, tolerance: float = DEPENDENT) -> None:
-        rows, self._unit, self.lengths = scaled_rows(J, length)
+    def __init__(self, J: Any, unit: Array, tolerance: float = DEPENDENT) -> None:
+        self._unit = unit
+        rows, self.lengths = scaled_rows(J, unit)
         left, sizes, right = np.linalg.svd(rows, full_matrices=True)
         largest = sizes.max(initial=0.0)
         self.rank = int(np.count_nonzero(sizes > tolerance * largest))
@@ -60,13 +61,12 @@ class NullSpace:
         return np.asarray(self._left @ ((self._right.T @ (self._unit * f)) / self._sizes) / self.lengths)
 
 
-def scaled_rows(J: Any, length: float) -> tuple[Array, Array, Array]:
-    """The rows of J for displacements in parts of a length, scaled to unit length; see `units`; the rows' lengths."""
-    unit = units(J.shape[1], length)
+def scaled_rows(J: Any, unit: Array) -> tuple[Array, Array]:
+    """The rows of J for coordinates in these units, scaled to unit length; the rows' lengths."""
     dense = J.toarray() * unit
     lengths = np.sqrt((dense * dense).sum(axis=1))
     lengths[lengths == 0] = 1.0
-    return dense / lengths[:, None], unit, lengths
+    return dense / lengths[:, None], lengths
 
 
 def pivoted_rows(J: Array, sizes: Array | None = None) -> Array:
@@ -92,7 +92,7 @@ def missing_inertia(system: System, q: Array, t: float, b: Array) -> str | None:
     if system.nq > DENSE_UP_TO or not np.all(np.isfinite(q)):
         return None
     J = system.Phi_q(q, t, b=b)
-    Z = NullSpace(J, lever(system, q, J)).Z
+    Z = NullSpace(J, units(system, q, J)).Z
     return along(system, q, Z, system.M(q, b=b))
 
 
@@ -103,14 +103,15 @@ def along(system: System, q: Array, Z: Array, M: csr_array) -> str | None:
     """
     if not Z.shape[1]:
         return None
-    largest = M.diagonal()[: system.moving].reshape(-1, 7).max(axis=0)
-    gyration = float(np.sqrt(largest[3:].max() / largest[:3].max())) if largest[:3].max() > 0 else 0.0
-    unit = units(system.nq, max(gyration, LEAST_LEVER * extent(system, q)))
+    layout = system.layout
+    mass, turning = (M.diagonal()[place].max() for place in (layout.positions, layout.bodies.rotations))
+    gyration = float(np.sqrt(turning / mass)) if mass > 0 else 0.0
+    unit = layout.scales(max(gyration, LEAST_LEVER * extent(system, q)))
     motions = unit[:, None] * np.linalg.qr(Z / unit[:, None])[0]
     sizes, shapes = eigh(motions.T @ (M @ motions))
     if sizes[0] > LEAST * sizes[-1]:
         return None
-    spins = (motions @ shapes[:, 0])[: system.moving].reshape(-1, 7)[:, 3:]
+    spins = (motions @ shapes[:, 0])[layout.bodies.rotations]
     return (
         f"body {list(system.bodies)[int(np.argmax((spins**2).sum(axis=1)))]}: it has no inertia along a motion that "
         "its joints allow, or less than 1e-14 of the largest in the model. Give it mass and inertia about all axes."

@@ -9,21 +9,22 @@ from scipy.sparse import csr_array
 from ...algebra import Array
 from ...linalg.rank import DEPENDENT, rows_of_entries
 from ...system import System
+from ...system.layout import Layout
 from ..arguments import kind
-from .length import lever, row_sizes, unit_displacement, units
+from .length import lever, row_sizes, unit_displacement
 from .motion import Saddle
 from .nullspace import scaled_rows
 
 ROUND_OFF = 16 * np.finfo(float).eps  # of the terms of an equation before they cancel, |Φ_q| |q|
 
 
-def allowed(J: csr_array, q: Array, length: float, tolerance: float) -> Array:
+def allowed(layout: Layout, J: csr_array, q: Array, length: float, tolerance: float) -> Array:
     """The largest |Φ| that is allowed, for each equation (m,).
 
     `tolerance` is a displacement in parts of the length, or a rotation [rad]; round-off is always allowed, so that a
     mechanism far from the origin can be assembled, too.
     """
-    return np.maximum(tolerance * row_sizes(J, length), round_off_of(J, q))
+    return np.maximum(tolerance * row_sizes(J, layout, length), round_off_of(J, q))
 
 
 def round_off_of(J: csr_array, q: Array) -> Array:
@@ -54,7 +55,9 @@ def metric(system: System, given: str | ArrayLike, q: Array) -> Array:
             raise ValueError(
                 f'metric must be "unit", "mass" or {system.nq} positive numbers, but is {given!r}. Give one of them.'
             )
-        return units(system.nq, unit_displacement(system, q)) ** -2.0 if given == "unit" else _mass(system)
+        return (
+            system.layout.scales(unit_displacement(system, q)) ** -2.0 if given == "unit" else _mass(system)
+        )
     try:
         weight = np.array(given, dtype=float)
     except (TypeError, ValueError, OverflowError):
@@ -67,10 +70,10 @@ def metric(system: System, given: str | ArrayLike, q: Array) -> Array:
 
 
 def _mass(system: System) -> Array:
-    weight = system.M(system.q0).diagonal().reshape(-1, 7)
-    weight[:, 3:] = weight[:, 3:].sum(axis=1, keepdims=True) / 3
-    weight[len(system.bodies) :] = 1.0
-    return np.asarray(weight.reshape(-1))
+    weight, place = system.M(system.q0).diagonal(), system.layout.rotations
+    weight[place] = weight[place].sum(axis=1, keepdims=True) / 3
+    weight[system.moving :] = 1.0
+    return np.asarray(weight)
 
 
 TOLERANCE = 1e-13  # of |Φ|, relative to the gradient of each equation; round-off is a few times smaller
@@ -98,17 +101,18 @@ def onto(
     length : by which displacements are measured, by default the largest lever arm at q [m]
     """
     J, residual = system.Phi_q(q, t, b=b), system.Phi(q, t, b=b)
-    length = length or lever(system, q, J)
+    layout, length = system.layout, length or lever(system, q, J)
+    unit = layout.scales(length)
     for _ in range(steps):
-        if np.all(abs(residual) <= allowed(J, q, length, TOLERANCE)):
+        if np.all(abs(residual) <= allowed(layout, J, q, length, TOLERANCE)):
             return q, True
-        rows, unit, lengths = scaled_rows(J, length)
+        rows, lengths = scaled_rows(J, unit)
         change = unit * np.linalg.lstsq(rows, -residual / lengths, rcond=DEPENDENT)[0]
         there, after = _shortened(system, q, t, b, change, residual, lengths)
         if largest(after / lengths) >= largest(residual / lengths):
             break
         q, residual, J = there, after, system.Phi_q(there, t, b=b)
-    return q, bool(np.all(abs(residual) <= allowed(J, q, length, ACCEPTED)))
+    return q, bool(np.all(abs(residual) <= allowed(layout, J, q, length, ACCEPTED)))
 
 
 def largest(vector: Array) -> float:

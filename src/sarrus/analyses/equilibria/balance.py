@@ -15,7 +15,7 @@ from ...model import SarrusError
 from ...system import System
 from ..dynamics.time_loop.nearness import rank_changes
 from ..equations.block_matrix import PRECISE, PlacedMatrix, motion_matrix
-from ..equations.length import lever, units
+from ..equations.length import lever
 from ..equations.minimum_norm import least_multipliers
 from ..equations.nullspace import NullSpace
 from ..equations.states_at_rest import at_rest, by_position, places, states_last
@@ -140,7 +140,7 @@ class Balance:
         self.system, self.q, self.t, self.b = system, q, t, b
         J = system.Phi_q(q, t, b=b)
         self.length = length or lever(system, q, J)
-        self.space = space = NullSpace(J, self.length)
+        self.space = space = NullSpace(J, system.layout.scales(self.length))
         self.rest = at_rest(system, q)
         self.Q = system.Q(q, self.rest, t, b=b)
         self.Z, self.share = space.Z, space.share
@@ -204,7 +204,7 @@ class Balance:
 
     def _stiffness_round_off(self) -> Array:
         """Return the round-off of H, from its terms and from that of the multipliers."""
-        force = float((units(self.system.nq, self.length) * self.force_terms).max(initial=0.0))
+        force = float((self.system.layout.scales(self.length) * self.force_terms).max(initial=0.0))
         terms = self.system.magnitude(
             "Phi_qT_lam_q", q=self.q, lam=force / self.space.lengths, t=self.t, b=self.b
         )

@@ -12,7 +12,7 @@ from ...model.coordinates import WIDTH
 from ...outputs.output import short
 from ...system import System
 from ...system.cached import once_alike
-from ..equations.length import lever, units
+from ..equations.length import units
 from ..equations.nullspace import NullSpace, pivoted_rows
 from ..equations.states_at_rest import without_states
 
@@ -34,11 +34,11 @@ def of_joints(system: System, q: Array) -> tuple[str, ...]:
 def _floating(system: System) -> tuple[int, ...]:
     """The first coordinates of the first body of each group of bodies that no constraint connects with the ground."""
     # Bodies come before the blocks of first-order states, which connect nothing.
-    count = system.moving // WIDTH
+    count, layout = len(system.bodies), system.layout
     nodes, members, elements = count + 1, [np.array([count])], [np.array([count])]
     for p in system.populations:
         if p.kind.rows and p.kind is not Normalization and p.count:
-            ends = p.bodies // WIDTH
+            ends = layout.owner_of[p.bodies]
             ground = np.full((p.count, 1), count)
             every = np.hstack((ends, ground)) if -1 in p.variant.slots else ends
             numbers = np.broadcast_to(nodes + np.arange(p.count)[:, None], every.shape)
@@ -50,7 +50,7 @@ def _floating(system: System) -> tuple[int, ...]:
     graph = coo_array((np.ones(len(row)), (row, column)), shape=(nodes, nodes))
     groups = connected_components(graph, directed=False)[1]
     firsts = np.unique(groups[:count], return_index=True)[1]
-    return tuple(WIDTH * int(first) for first in np.sort(firsts) if groups[first] != groups[count])
+    return tuple(int(layout.firsts[first]) for first in np.sort(firsts) if groups[first] != groups[count])
 
 
 def _of_bodies(system: System) -> list[str]:
@@ -61,15 +61,15 @@ def _of_bodies(system: System) -> list[str]:
 def chosen(system: System, q: Array, t: float, b: Array) -> tuple[str, ...]:
     """Names of independent coordinates at a position: of joints as far as they are independent, then of bodies."""
     J, joints = system.Phi_q(q, t, b=b), system.joint_coordinates
-    length = lever(system, q, J)
-    space = NullSpace(J, length)
+    scale = units(system, q, J)
+    space = NullSpace(J, scale)
     Z, _ = without_states(system, space.Z, space.share)
     bodies = _of_bodies(system)
     gradients = (
         joints.Phi_q(q).toarray() if joints.m else np.zeros((0, system.nq)),
         np.eye(len(bodies), system.nq),
     )
-    chosen_names, scale = list[str](), units(system.nq, length)
+    chosen_names = list[str]()
     Z = np.linalg.qr(Z / scale[:, None])[0] if Z.shape[1] else Z
     for names, rows in zip((joints.names, bodies), gradients, strict=True):
         along = rows * scale @ Z

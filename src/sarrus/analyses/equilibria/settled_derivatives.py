@@ -18,7 +18,7 @@ from ...linalg.kkt import KKT
 from ...results import Assembly
 from ...system import System
 from ..equations.block_matrix import Numbers
-from ..equations.length import lever
+from ..equations.length import units
 from ..equations.nullspace import NullSpace
 from ..equations.states_at_rest import at_rest, by_position, places, undetermined, with_states
 from ..position.assembly_derivatives import AssemblyDerivatives, NoDerivative
@@ -71,7 +71,7 @@ class SettledDerivatives(AssemblyDerivatives):
         """The matrix of an equilibrium that the forces determine; others are refused."""
         system, why = self._system, ""
         if system.states:
-            Z = NullSpace(J, lever(system, self._assembly.q, J)).Z
+            Z = NullSpace(J, units(system, self._assembly.q, J)).Z
             loose = undetermined(system, Z, Z.T @ (A @ Z))
             why = f"the equilibrium does not determine {', '.join(loose)}" if loose else ""
             remedy = "Give a rate that depends on the state, or assemble the start."

@@ -25,7 +25,7 @@ from ...system.cached import once
 from ..arguments import refuse_other_system
 from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..equations.block_matrix import PRECISE
-from ..equations.length import lever
+from ..equations.length import units
 from ..equations.minimum_norm import least_multipliers
 from ..equations.nullspace import NullSpace, pivoted_rows
 from ..equations.states_at_rest import places
@@ -386,7 +386,7 @@ def _reported(system: System, state: PartialState, solved: StateArrays) -> Array
         return solved.lam
     b = state.parameters(system)
     J = system.Phi_q(state.q, state.t, b=b)
-    return least_multipliers(system, NullSpace(J, lever(system, state.q, J)), J, state.q, b, J.T @ solved.lam)
+    return least_multipliers(system, NullSpace(J, units(system, state.q, J)), J, state.q, b, J.T @ solved.lam)
 
 
 class OneState(NamedTuple):

@@ -19,11 +19,13 @@ from ...algebra import Array, skew
 from ...euler import A, E, bar, bar_E
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
+from ...model.coordinates import POSITION, WIDTH
 from ...results import Modes
 from ...system import System
+from ...system.layout import Layout
 from ...system.terms import Terms, terms_of
 from ..arguments import refuse_other_system
-from ..equations.length import extent, lever, units
+from ..equations.length import extent, units
 from ..equations.minimum_norm import least_multipliers
 from ..equations.nullspace import NullSpace, refuse_missing_inertia
 from ..equations.projection import largest
@@ -79,7 +81,7 @@ def around(system: System, state: PartialState) -> tuple[BaseState, NullSpace]:
     q, t, b = state.q, state.t, state.parameters(system)
     speed = np.zeros(system.nq) if state.v is None else state.v
     J, M = system.Phi_q(q, t, b=b), system.M(q, b=b)
-    space = NullSpace(J, lever(system, q, J))
+    space = NullSpace(J, units(system, q, J))
     force = system.Q(q, speed, t, b=b) + system.S(q, speed, b=b)
     refuse_missing_inertia(system, q, space.Z, M)
     across = space.change(system.gamma(q, speed, t, b=b))
@@ -91,7 +93,7 @@ def around(system: System, state: PartialState) -> tuple[BaseState, NullSpace]:
 def reduced(system: System, at: BaseState, space: NullSpace, turning: Array) -> FirstOrderSystem:
     """The linear equations along the free directions."""
     t, q, v, a, lam, b = at
-    X = generator(q, v, turning)
+    X = generator(system.layout, q, v, turning)
     X[system.moving :] = 0.0
     W, M = space.Z, system.M(q, b=b)
     of_positions = _of_positions(system, at, space)
@@ -117,7 +119,7 @@ def _of_positions(system: System, at: BaseState, space: NullSpace) -> NullSpace:
     if system.m_holonomic == system.m:
         return space
     J = system.holonomic.Phi_q(at.q, at.t, b=at.b)
-    return NullSpace(J, lever(system, at.q, system.Phi_q(at.q, at.t, b=at.b)))
+    return NullSpace(J, units(system, at.q, system.Phi_q(at.q, at.t, b=at.b)))
 
 
 def _turned(system: System, at: BaseState, gamma_v: csr_array) -> csr_array:
@@ -200,12 +202,12 @@ def _verdict(
 
 def _is_steady(system: System, at: BaseState, turning: Array, terms: Terms) -> bool:
     """Whether M (a - X v) is small on every body, or what round-off in q makes of the forces."""
-    X, unit = generator(at.q, at.v, turning), units(system.nq, extent(system, at.q))
+    X, unit = generator(system.layout, at.q, at.v, turning), system.layout.scales(extent(system, at.q))
     X[system.moving :] = 0.0
     missing = unit * abs(system.M(at.q, b=at.b) @ (at.a - X @ at.v))
     force = unit * (terms.force + terms.M @ abs(X @ at.v))
     round_off = RESOLVED * unit * (terms.K @ (abs(at.q) + unit))
-    largest = np.repeat(force.reshape(-1, 7).max(axis=1), 7)
+    largest = np.maximum.reduceat(force, system.layout.firsts)[system.layout.owner_of]
     speed = abs(at.v)
     speed[places(system)] = sizes(system, with_states(system, at.q, at.v))  # some states are zero at rest
     rates = force + unit * (terms.D @ speed + terms.K @ abs(at.q))  # of states, before terms cancel
@@ -217,7 +219,7 @@ def _is_steady(system: System, at: BaseState, turning: Array, terms: Terms) -> b
 def _energy_shares(system: System, at: BaseState, shapes: Array) -> Array:
     """Part of the kinetic energy of each mode that each body has (bodies, k)."""
     energy = (shapes.conj() * (system.M(at.q, b=at.b) @ shapes)).real[: system.moving]
-    energy = energy.reshape(len(system.bodies), 7, shapes.shape[1]).sum(axis=1)
+    energy = energy[system.layout.bodies.firsts[:, None] + np.arange(WIDTH)].sum(axis=1)
     total = energy.sum(axis=0)
     return np.asarray(energy / np.where(total > 0, total, 1.0))
 
@@ -237,15 +239,16 @@ def _normalized(shapes: Array, moving: int) -> Array:
     return np.asarray(shapes / np.where(abs(top) > 0, top, 1.0))
 
 
-def generator(q: Array, v: Array, turning: Array) -> Array:
+def generator(layout: Layout, q: Array, v: Array, turning: Array) -> Array:
     """The matrix X (nq, nq) of the steady motion through a state, for a given Ω = `turning` in global axes [rad/s].
 
     For each body, ṙ = Ω x r and ṗ = ½ Eᵀ(p) Ω + ½ Gᵀ(p) ω', with ω' = Aᵀ(ω - Ω) its own angular velocity.
     """
     X = np.zeros((len(q), len(q)))
-    for at in range(0, len(q), 7):
-        p, pd = q[at + 3 : at + 7], v[at + 3 : at + 7]
+    for at in layout.firsts:
+        r, turned = slice(at, at + POSITION), slice(at + POSITION, at + WIDTH)
+        p, pd = q[turned], v[turned]
         omega = A(p).T @ (2 * E(p) @ pd - turning)
-        X[at : at + 3, at : at + 3] = skew(turning)
-        X[at + 3 : at + 7, at + 3 : at + 7] = 0.5 * (bar_E(turning) + bar(omega))
+        X[r, r] = skew(turning)
+        X[turned, turned] = 0.5 * (bar_E(turning) + bar(omega))
     return X

@@ -52,7 +52,7 @@ def open_joints(
     for joint, rows in system.rows.items():
         gaps: dict[str, float] = {}
         for row in rows[abs(residual[rows]) > allowed[rows]]:
-            there = restraint(J, int(row), q)
+            there = restraint(system.layout, J, int(row), q)
             xi = there.displacement(system.nq)
             curvature = 0.0 if per_second else float((system.Phi_q_xi_q(q, xi, t) @ xi)[row])
             gap = there.gap(float(residual[row]), curvature)
@@ -83,8 +83,8 @@ def turned_over(system: System, q: Array) -> Iterator[str]:
 
 
 def _poses(system: System, q: Array) -> Poses:
-    states = q[: system.moving].reshape(-1, 7)
-    poses = {name: Pose(x[:3], x[3:], A(x[3:])) for name, x in zip(system.bodies, states, strict=True)}
+    places = zip(system.bodies, q[system.layout.positions], q[system.layout.bodies.rotations], strict=True)
+    poses = {name: Pose(r, p, A(p)) for name, r, p in places}
     return {GROUND: GROUND_POSE, **poses}
 
 
@@ -157,7 +157,7 @@ def assemble(
     estimate = _vector("q", system.q0 if q is None else q, system.nq)
     weight = metric_of(system, metric, estimate)
     inverse = np.where(held | followed, 0.0, 1 / weight)
-    guess = Renormalization(inverse)(estimate)
+    guess = Renormalization(system.layout, inverse)(estimate)
     speed = _vector("v", system.v0 if v is None else v, system.nq)
     rates = {**(system.model.rates if v is None else {}), **(rates or {})}
     given_rates = Rates(system, rates)
@@ -218,8 +218,8 @@ def _search(
     """The first search that reaches the constraints, or the one that came nearest."""
     search, random = FeasibleSearch(system.holonomic, inverse, request.t), np.random.default_rng(seed)
     best, steps = search(begin, tolerance, iterations), 0
-    between = float(np.ptp(request.q[: system.moving].reshape(-1, 7)[:, :3], axis=0).max(initial=0.0))
-    size = units(system.nq, between or extent(system, request.q))
+    between = float(np.ptp(request.q[system.layout.positions], axis=0).max(initial=0.0))
+    size = system.layout.scales(between or extent(system, request.q))
     for n in range(restarts):
         if best.ok or not np.any(inverse):
             break
@@ -265,7 +265,7 @@ def _velocities(system: System, assembly: Assembly, rates: Rates) -> Assembly:
     if not np.any(open_rows):
         return done
     J = system.Phi_q(assembly.q, request.t)
-    rank = rank_of(scaled(J, lever(system, assembly.q, J))).rank if request.rates else 0
+    rank = rank_of(scaled(J, units(system, assembly.q, J))).rank if request.rates else 0
     if request.rates and rank == system.nq - len(system.states):
         concerned = [joint for joint, rows in system.rows.items() if np.any(open_rows[rows])]
         message = (
@@ -288,7 +288,7 @@ def _velocities(system: System, assembly: Assembly, rates: Rates) -> Assembly:
 def _open(system: System, request: AssemblyRequest, reached: SearchEnd, tolerance: float) -> Assembly:
     system = system.holonomic
     J = system.Phi_q(reached.q, request.t)
-    limits = allowed(J, reached.q, lever(system, reached.q, J), tolerance)
+    limits = allowed(system.layout, J, reached.q, lever(system, reached.q, J), tolerance)
     missing = open_joints(system, reached.q, reached.Phi, limits, request.t)
     missing = missing or "the unit length of Euler parameters"
     message = (

@@ -37,14 +37,17 @@ def velocity_changes(
     One of zero is compared with the largest that is given.
     """
     (rd, omega), (rd_new, omega_new) = _rates(system, q, v), _rates(system, assembled_q, assembled_v)
-    given, size = given_velocities(system, v)[: system.moving].reshape(-1, 7), extent(system, q)
+    given, size = _poses(system, given_velocities(system, v)), extent(system, q)
     speeds = [np.linalg.norm(x, axis=1) for x in (rd, omega)]
-    largest = [speed[given[:, n]].max(initial=0.0) for speed, n in zip(speeds, (0, 3), strict=True)]
+    largest = [speed[those[:, 0]].max(initial=0.0) for speed, those in zip(speeds, given, strict=True)]
     scales = max(largest[0], size * largest[1]) * np.array([1, 1 / size])
-    rows = (("velocity", "m/s", 0, rd, rd_new), ("angular velocity", "rad/s", 3, omega, omega_new))
-    for (quantity, unit, n, before, new), speed, scale in zip(rows, speeds, scales, strict=True):
+    rows = (
+        ("velocity", "m/s", given[0], rd, rd_new),
+        ("angular velocity", "rad/s", given[1], omega, omega_new),
+    )
+    for (quantity, unit, those, before, new), speed, scale in zip(rows, speeds, scales, strict=True):
         least = ACCURACY * np.where(speed > NEGLIGIBLE * scale, speed, scale)
-        changed = given[:, n] & (np.linalg.norm(new - before, axis=1) > least) & bool(scale)
+        changed = those[:, 0] & (np.linalg.norm(new - before, axis=1) > least) & bool(scale)
         for k, name in enumerate(system.bodies):
             if changed[k]:
                 yield f"{name}: {quantity} {_both(before[k], new[k])} {unit}"
@@ -61,9 +64,8 @@ def warning(system: System, changes: tuple[str, ...]) -> list[str]:
 
 
 def _poses(system: System, q: Array) -> tuple[Array, Array]:
-    """Positions (bodies, 3) and Euler parameters (bodies, 4), or their rates."""
-    rows = q[: system.moving].reshape(-1, 7)
-    return rows[:, :3], rows[:, 3:]
+    """Of positions (bodies, 3) and Euler parameters (bodies, 4), or of their rates."""
+    return q[system.layout.positions], q[system.layout.bodies.rotations]
 
 
 def _rates(system: System, q: Array, v: Array) -> tuple[Array, Array]:

@@ -232,7 +232,7 @@ def refuse_no_orientation(system: System, q: Array) -> None:
     ------
     ValueError
     """
-    none = np.flatnonzero(~q.reshape(-1, 7)[:, 3:].any(axis=1))
+    none = np.flatnonzero(~q[system.layout.rotations].any(axis=1))
     if len(none):
         reason = f"the Euler parameters of {system.bodies[none[0]]} in q are all 0"
         raise ValueError(f"{system.name}: {reason}. Give [1, 0, 0, 0] for a body that is not rotated.")
@@ -294,7 +294,7 @@ Rows = tuple[csr_array, Array]  # the constraint Jacobian and the sizes of its r
 
 def _rows(system: System, q: Array, t: float) -> Rows:
     J = system.Phi_q(q, t)
-    return J, row_sizes(J, extent(system, q))
+    return J, row_sizes(J, system.layout, extent(system, q))
 
 
 def contradicting(system: System, q: Array, v: Array, t: float, rows: Rows | None = None) -> Array:

@@ -14,7 +14,8 @@ from ...linalg.minimum_step import MinimumStep
 from ...linalg.rank import divided, row_lengths
 from ...system import System
 from ...system.cached import once
-from ..equations.length import lever, row_sizes, scaled, unit_displacement, units
+from ...system.layout import Layout
+from ..equations.length import lever, row_sizes, scaled, unit_displacement
 from ..equations.projection import allowed
 
 FIRST_DAMPING = 1e-2  # of the largest diagonal entry, for a residual of 1
@@ -55,12 +56,12 @@ class FeasibleSearch:
 
     def __init__(self, system: System, inverse_weight: Array, t: float = 0.0) -> None:
         self.system, self.inverse_weight, self.t = system, inverse_weight, t
-        self.renormalized = Renormalization(inverse_weight)
+        self.renormalized = Renormalization(system.layout, inverse_weight)
         self.length, self.unit = lengths_of(system, t)
 
     def __call__(self, q: Array, tolerance: float, iterations: int) -> SearchEnd:
         at = self._at(self.renormalized(q), 0, tolerance)
-        rows = row_sizes(self.system.Phi_q(at.q, self.t), self.unit)
+        rows = row_sizes(self.system.Phi_q(at.q, self.t), self.system.layout, self.unit)
         strength, history = FIRST_DAMPING, [np.inf]
         while not at.ok and at.steps < iterations and strength < LARGEST_DAMPING:
             at, strength = self._step(at, strength, tolerance, rows)
@@ -71,7 +72,8 @@ class FeasibleSearch:
 
     def _at(self, q: Array, steps: int, tolerance: float) -> SearchEnd:
         Phi, J = self.system.Phi(q, self.t), self.system.Phi_q(q, self.t)
-        return SearchEnd(q, Phi, steps, bool(np.all(abs(Phi) <= allowed(J, q, self.length, tolerance))))
+        limits = allowed(self.system.layout, J, q, self.length, tolerance)
+        return SearchEnd(q, Phi, steps, bool(np.all(abs(Phi) <= limits)))
 
     def _step(self, at: SearchEnd, strength: float, tolerance: float, rows: Array) -> tuple[SearchEnd, float]:
         """The next point: damped more and more until |Φ| falls; and the strength of the damping to go on with.
@@ -106,26 +108,26 @@ def lengths_of(system: System, t: float) -> tuple[float, float]:
 class Renormalization:
     """Brings Euler parameters back to unit length, except where one of them is held."""
 
-    def __init__(self, inverse_weight: Array) -> None:
-        self._free = np.all(inverse_weight.reshape(-1, 7)[:, 3:] > 0, axis=1)
-        first = 7 * np.arange(len(self._free))[:, None, None] + np.arange(3, 7)
-        rows, columns = np.broadcast_arrays(first.transpose(0, 2, 1), first)
+    def __init__(self, layout: Layout, inverse_weight: Array) -> None:
+        self._places = layout.rotations
+        self._free = np.all(inverse_weight[self._places] > 0, axis=1)
+        rows, columns = np.broadcast_arrays(self._places[:, :, None], self._places[:, None])
         n = np.arange(len(inverse_weight))
         self._rows = np.concatenate([n, rows.reshape(-1)])
         self._columns = np.concatenate([n, columns.reshape(-1)])
 
     def __call__(self, q: Array) -> Array:
         """A copy of q (nq,) with unit Euler parameters; (1, 0, 0, 0) for those that vanish."""
-        q = q.copy()
-        p = q.reshape(-1, 7)[:, 3:]
+        q, p = q.copy(), q[self._places]
         length = np.linalg.norm(p, axis=1)
         p[self._free & (length == 0)] = (1, 0, 0, 0)
         p[self._free & (length > 0)] /= length[self._free & (length > 0), None]
+        q[self._places] = p
         return q
 
     def tangent(self, q: Array) -> csr_array:
         """The projection I - p pᵀ of every body's p, I where one of them is held (nq, nq)."""
-        p = q.reshape(-1, 7)[:, 3:] * self._free[:, None]
+        p = q[self._places] * self._free[:, None]
         numbers = np.concatenate([np.ones(len(q)), -(p[:, :, None] * p[:, None, :]).reshape(-1)])
         return csr_array((numbers, (self._rows, self._columns)), shape=(len(q), len(q)))
 
@@ -165,7 +167,7 @@ class LeastChange:
         self.system, self.weight, self.free, self.t = system, weight, np.flatnonzero(free), t
         self._inverse = np.where(free, 1 / weight, 0.0)
         self._feasible = FeasibleSearch(system, self._inverse, t)
-        self._unit = units(system.nq, self._feasible.length)
+        self._unit = system.layout.scales(self._feasible.length)
         self._heaviest = float((self._unit**2 * weight).max(initial=0.0))
 
     def __call__(self, q: Array, guess: Array, tolerance: float) -> NearestPoint:
@@ -184,7 +186,7 @@ class LeastChange:
 
     def _multipliers(self, J: csr_array, change: Array) -> tuple[Array, Array]:
         """λ that makes W (q - q₀) + Φ_qᵀλ least in the metric, and this remainder."""
-        rows = row_lengths(scaled(J, self._feasible.length))
+        rows = row_lengths(scaled(J, self._unit))
         step = MinimumStep(divided(J, rows), self._inverse)
         lam, slope = np.zeros(len(rows)), self.weight * change
         for _ in range(2):

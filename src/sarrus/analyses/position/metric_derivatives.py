@@ -46,7 +46,7 @@ class MetricDerivatives:
         s = request.unit_metric * dimensions_at(system, request.q)
         self._squares = float(s @ s) or np.inf
         self._growth = s / self._squares
-        D = np.tile(np.repeat([-2.0, 0.0], (3, 4)), system.nq // 7)
+        D = np.where(system.layout.is_length, -2.0, 0.0)
         self._D = tuple(np.where(held, 0.0, D) for held in (request.held_positions, request.held_velocities))
         self._moved = -self._D[0] * (assembly.q - request.q), -self._D[1] * (assembly.v - request.v)
 

@@ -10,6 +10,8 @@ from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...euler import E
+from ...model.coordinates import POSITION, WIDTH
+from ...system.layout import Layout
 
 NOTHING = 1e-9  # a gradient so small that no direction can be read from it
 ALONG = 0.999  # cosine from which a direction is called x, y or z
@@ -24,13 +26,13 @@ class Restraint:
     kind : "displacement", "rotation", or "nothing" where the gradient vanishes
     direction : (3,) unit vector, global axes
     rate : |Φ̇| per m/s or rad/s in this direction
-    body : number of the body that is moved, from 0
+    first : first coordinate of the body that is moved
     """
 
     kind: Literal["displacement", "rotation", "nothing"]
     direction: Array
     rate: float
-    body: int = 0
+    first: int = 0
 
     @property
     def unit(self) -> str:
@@ -49,7 +51,7 @@ class Restraint:
         """The direction as a direction of all coordinates (size,), zero for rotations."""
         xi = np.zeros(size)
         if self.kind == "displacement":
-            xi[7 * self.body : 7 * self.body + 3] = self.direction
+            xi[self.first : self.first + POSITION] = self.direction
         return xi
 
     def words(self) -> str:
@@ -69,7 +71,7 @@ def axis_name(direction: Array) -> str:
     return "(" + ", ".join(f"{c:.3f}" for c in components) + ")"
 
 
-def restraint(J: csr_array, row: int, q: Array) -> Restraint:
+def restraint(layout: Layout, J: csr_array, row: int, q: Array) -> Restraint:
     """Read the restraint of an equation from its gradient, on the last of its bodies that has one.
 
     The gradient by r is along a displacement; without one, ½ E(p) times the gradient by p is the axis of a rotation.
@@ -77,17 +79,17 @@ def restraint(J: csr_array, row: int, q: Array) -> Restraint:
     gradient = np.zeros(len(q))
     place = slice(J.indptr[row], J.indptr[row + 1])
     gradient[J.indices[place]] = J.data[place]
-    parts = [(k, gradient[7 * k : 7 * k + 7]) for k in reversed(np.unique(J.indices[place] // 7))]
-    for k, part in parts:
-        if np.linalg.norm(part[:3]) > NOTHING:
-            return _restraint("displacement", part[:3], k)
-    for k, part in parts:
-        turn = 0.5 * E(q[7 * k + 3 : 7 * k + 7]) @ part[3:]
-        if np.linalg.norm(turn) > NOTHING:
-            return _restraint("rotation", turn, k)
+    firsts = layout.firsts[np.unique(layout.owner_of[J.indices[place]])[::-1]]
+    for at in firsts:
+        if np.linalg.norm(shift := gradient[at : at + POSITION]) > NOTHING:
+            return _restraint("displacement", shift, at)
+    for at in firsts:
+        p = slice(at + POSITION, at + WIDTH)
+        if np.linalg.norm(turn := 0.5 * E(q[p]) @ gradient[p]) > NOTHING:
+            return _restraint("rotation", turn, at)
     return Restraint("nothing", np.zeros(3), 0.0)
 
 
-def _restraint(kind: Literal["displacement", "rotation"], vector: Array, body: int) -> Restraint:
+def _restraint(kind: Literal["displacement", "rotation"], vector: Array, first: int) -> Restraint:
     size = float(np.linalg.norm(vector))
-    return Restraint(kind, vector / size, size, int(body))
+    return Restraint(kind, vector / size, size, int(first))

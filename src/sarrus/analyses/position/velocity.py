@@ -16,7 +16,7 @@ from ...linalg.rank import row_lengths
 from ...model.checks.arguments import Number, in_si, real
 from ...system import System
 from ...system.operators.joints import JointCoordinates
-from ..equations.length import lever, scaled, units
+from ..equations.length import scaled, units
 from .coordinate_set import CoordinateSet, of_names
 
 FINITE = Number()
@@ -104,11 +104,9 @@ class Rates:
 
 def given_velocities(system: System, v: Array) -> Array:
     """Whether the model gives velocities of bodies, or v is not the model's: (nq,)."""
-    differs = (v != system.v0).reshape(-1, 7)
-    linear, angular = differs[:, :3].any(axis=1), differs[:, 3:].any(axis=1)
-    return np.asarray(
-        system.given_v0 | np.repeat(np.stack([linear, angular], axis=1), (3, 4), axis=1).ravel()
-    )
+    layout = system.layout
+    differs = np.logical_or.reduceat(v != system.v0, layout.starts)
+    return np.asarray(system.given_v0 | np.repeat(differs, layout.widths))
 
 
 def assemble_velocity(
@@ -128,7 +126,7 @@ def assemble_velocity(
     change, multipliers = matrix.solve(np.zeros(len(F)), right - J @ v)
     velocity = v.copy()
     velocity[F] += change
-    length = lever(system, q, Phi_q)
-    fastest = float((np.maximum(abs(velocity), abs(v)) / units(system.nq, length)).max(initial=0.0))
-    allowed = SPEED_TOLERANCE * (row_lengths(scaled(J, length)) * max(fastest, SLOWEST) + abs(right))
+    unit = units(system, q, Phi_q)
+    fastest = float((np.maximum(abs(velocity), abs(v)) / unit).max(initial=0.0))
+    allowed = SPEED_TOLERANCE * (row_lengths(scaled(J, unit)) * max(fastest, SLOWEST) + abs(right))
     return Velocity(velocity, multipliers[: system.m], multipliers[system.m :], J @ velocity - right, allowed)

@@ -15,7 +15,7 @@ from ...results import Mobility, Repetition
 from ...results.mobility import Kind
 from ...system import System
 from ..arguments import refuse_other_system
-from ..equations.length import lever, scaled, units
+from ..equations.length import scaled, units
 from ..equations.nullspace import DENSE_UP_TO, normalizations
 from ..equations.states_at_rest import places
 from ..position.assembly import assemble
@@ -55,7 +55,7 @@ def _repetition(
 ) -> Repetition:
     rows = tuple(sorted(row for row, _ in dependent))
     names = set().union(*(others for _, others in dependent))
-    words = tuple(restraint(J, row, q).words() for row in rows)
+    words = tuple(restraint(system.layout, J, row, q).words() for row in rows)
     repeats = tuple(name for name in system.rows if name in names)
     return Repetition(joint, repeats, rows, words, len(rows) == len(system.rows[joint]))
 
@@ -112,10 +112,10 @@ def mobility(
     refuse_other_system(system, "mobility")
     at, _, t, *_ = state_of(system, _assembled(system, t or 0.0) if q is None else q, None, t)
     J = system.Phi_q(at, t)
-    length = lever(system, at, J)
-    unitless = scaled(J, length)
+    unit = units(system, at, J)
+    unitless = scaled(J, unit)
     rank = rank_of(unitless, tolerance)
-    rows, unit = row_lengths(unitless), units(system.nq, length)
+    rows = row_lengths(unitless)
     null, motions = rank.null / rows[:, None], unit[:, None] * _motions(unitless, rank)
     motions = motions @ null_space(motions[places(system)]) if system.states else motions
     curvature = largest_curvature(system, at, t, rows, unit)

@@ -62,7 +62,7 @@ class Independence:
     def __init__(self, system: System, q: Array, t: float = 0.0) -> None:
         self._system, self._fixed = system, normalizations(system)
         self.length = lever(system, q, J := system.Phi_q(q, t))
-        rank = rank_of(scaled(J, self.length), parts=_components(system))
+        rank = rank_of(scaled(J, system.layout.scales(self.length)), parts=_components(system))
         self._null, self.smallest = rank.null, rank.smallest
         self.nearly = self._message(q, t) if self.smallest < NEARLY / len(system.bodies) ** 2 else ""
         self.rows: Array | None = None
@@ -84,7 +84,7 @@ class Independence:
 
     def scaled_Phi_q(self, q: Array, t: float) -> csr_array:
         """Φ_q by coordinates without unit, as `rank_of` wants it."""
-        return scaled(self._system.Phi_q(q, t), self.length)
+        return scaled(self._system.Phi_q(q, t), self._system.layout.scales(self.length))
 
     def _choose(self, null: Array) -> None:
         self.rows = independent_rows(null, self._fixed)
@@ -120,7 +120,7 @@ class Independence:
     def _poor(self, t: float, q: Array) -> bool:
         try:
             J = self._system.Phi_q(q, t)
-            lengths = row_lengths(scaled(J, self.length))
+            lengths = row_lengths(scaled(J, self._system.layout.scales(self.length)))
             sizes = lengths[:, None] * abs(self._minimum.combinations(J))
             return bool(np.any(sizes > AMPLIFICATION * lengths[self._minimum.dropped]))
         except SingularSystem:
@@ -205,7 +205,7 @@ def sharing(system: System, result: Any, names: Sequence[str]) -> tuple[str, ...
     for at in sorted({0, last // 2, last}) if read and last >= 0 else ():
         t, q = float(states.t[at]), states.q[at]
         length = lever(system, q, J := system.Phi_q(q, t))
-        null = rank_of(J := scaled(J, length), parts=_components(system)).null
+        null = rank_of(J := scaled(J, system.layout.scales(length)), parts=_components(system)).null
         if not null.shape[1]:
             continue
         # normalizations bear no loads

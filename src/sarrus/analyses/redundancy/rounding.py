@@ -14,7 +14,7 @@ from ...linalg.threads import one_thread_if_small
 from ...model.errors import listed
 from ...system import System
 from ...system.structure.population import Population
-from ..equations.length import POINTS, first_places, lever, scaled, units
+from ..equations.length import POINTS, first_places, lever, scaled
 from ..equations.projection import allowed
 from .redundant_constraints import SHARE
 
@@ -73,8 +73,9 @@ class Rounding:
         self._rows = np.sort(np.concatenate(rows)) if rows else np.zeros(0, dtype=np.int64)
         Phi, J = abs(system.Phi(q)[self._rows]), csr_array(system.Phi_q(q)[self._rows])
         self._length = lever(system, q, J)
-        near = np.all(Phi <= ROUNDING * row_lengths(scaled(J, self._length)))
-        self.suspected = bool(near and np.any(Phi > allowed(J, q, self._length, AGREEMENT)))
+        self._unit = system.layout.scales(self._length)
+        near = np.all(Phi <= ROUNDING * row_lengths(scaled(J, self._unit)))
+        self.suspected = bool(near and np.any(Phi > allowed(system.layout, J, q, self._length, AGREEMENT)))
 
     def _changes(self, b: Array) -> Array:
         """How far each point, relative to the length, and each axis is from the data given."""
@@ -143,11 +144,11 @@ class Rounding:
             change = float(abs(step).max(initial=0.0))
             if not change < before / 2:
                 return at
-            before, at = change, self._at(at.q + units(len(q), self._length) * step, b)
+            before, at = change, self._at(at.q + self._unit * step, b)
 
     def _at(self, q: Array, b: Array) -> Closure:
         """Linearize; singular values of Φ_q count as zero if rounded data can cause them, by Weyl's inequality."""
-        J = scaled(csr_array(self._system.Phi_q(q, b=b)[self._rows]), self._length)
+        J = scaled(csr_array(self._system.Phi_q(q, b=b)[self._rows]), self._unit)
         lengths = row_lengths(J)
         Phi, J = self._system.Phi(q, b=b)[self._rows] / lengths, divided(J, lengths)
         null = rank_of(J, ROUNDING * np.sqrt(len(Phi))).null
@@ -157,7 +158,7 @@ class Rounding:
     def _moved(self, at: Closure, amplitude: float, random: np.random.Generator) -> Array:
         """Coordinates along a random motion of the mechanism from a position."""
         xi = amplitude * random.normal(size=len(at.q))
-        return np.asarray(at.q + units(len(xi), self._length) * (xi - _motion(at, at.J @ xi)))
+        return np.asarray(at.q + self._unit * (xi - _motion(at, at.J @ xi)))
 
 
 def _untimed(system: System) -> list[Population]:

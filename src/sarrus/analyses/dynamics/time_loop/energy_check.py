@@ -26,7 +26,7 @@ from ....system.cached import once
 from ....system.curves.curve_derivatives import curves_of, values_of_elements
 from ....system.curves.lanes import local
 from ....system.structure.population import Population
-from ...equations.length import extent, units
+from ...equations.length import extent
 from ..dense_output.sampler import PORTION, Sampler
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import RunPart
@@ -175,7 +175,7 @@ class EnergyCheck(RunPart):
             )
             if not _sums(beyond).max() > GROWTH * self._greatest * h.sum() / self.span + round_off:
                 return None
-        sizes = np.maximum(units(self._system.nq, extent(self._system, nodes.q[0])), abs(nodes.q))
+        sizes = np.maximum(self._system.layout.scales(extent(self._system, nodes.q[0])), abs(nodes.q))
         self._fastest = max(self._fastest, float((abs(nodes.v) / sizes).max()))
         return Beyond(nodes.t[1:], beyond)
 

@@ -11,7 +11,6 @@ from ....model.errors import listed
 from ....results import Assembly
 from ....system import System
 from ....system.cached import once
-from ...equations.length import units
 from ...redundancy.degrees_of_freedom import STRAIGHT, largest_curvature
 from ...redundancy.redundant_constraints import Independence
 from ..dense_output.sample_loop import Samples
@@ -131,7 +130,7 @@ def rank_changes(system: System, q: Array, t: float, first: Independence) -> boo
     It does not if ηᵀ (Φ_qᵀ n)_q ξ = 0 for all motions ξ and η and all combinations n of equations with nᵀΦ_q = 0, which
     is tried for random ones.
     """
-    random, unit = np.random.default_rng(0), units(system.nq, first.length)
+    random, unit = np.random.default_rng(0), system.layout.scales(first.length)
     sizes = first.row_lengths(q, t)
     curvature = largest_curvature(system, q, t, sizes, unit) or 1.0
     for _ in range(PROBES):

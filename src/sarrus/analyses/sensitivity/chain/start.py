@@ -18,7 +18,7 @@ from ....system.curves.curve_derivatives import CurveDerivatives
 from ...dynamics.methods.equations import GROUPS
 from ...equations.block_matrix import LEFT_OUT, Numbers, Part, PlacedMatrix, motion_parts
 from ...equations.joined_operators import CurveTerms, TwoSidedMatrix
-from ...equations.length import extent, units
+from ...equations.length import extent
 
 BY_NUMBERS = ("M_a_b", "Phi_qT_lam_b", "Q_b", "S_b", "Phi_q_xi_b", "gamma_b")
 ALONE = ("Phi_q_xi_q", "gamma_q", "gamma_v", *BY_NUMBERS)  # operators that no group has
@@ -65,7 +65,7 @@ class Start:
     @cached_property
     def units(self) -> Array:
         """Changes of coordinates (nq, 1) that are as large as the system."""
-        return units(self._nq, extent(*self._at))[:, None]
+        return self._at[0].layout.scales(extent(*self._at))[:, None]
 
     def along(self, q_dot: Array, v_dot: Array, b_dot: Array) -> tuple[Array, Array]:
         """The changes of a (nq, k) and λ (m, k) with those of q, v and the numbers."""

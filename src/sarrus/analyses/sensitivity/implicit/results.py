@@ -14,7 +14,7 @@ from ....model import SarrusError
 from ....results import Modes, StateSpace, Trajectory
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
-from ...equations.length import lever
+from ...equations.length import units
 from ...equations.nullspace import NullSpace
 from ...position.assembly_derivatives import NoDerivative
 from ..parameters.parameters import Parameters
@@ -101,7 +101,7 @@ class RequiredForces(SolvedStates):
         t, q, v, a, lam = float(self.steps.t[n]), *(getattr(self.steps, x)[n] for x in ("q", "v", "a", "lam"))
         b[system.memory_places] = self.memory[n]
         J = system.Phi_q(q, t, b=b)
-        space = NullSpace(J, lever(system, q, J))
+        space = NullSpace(J, units(system, q, J))
         if space.Z.shape[1]:
             message = f"{system.name}: drivers and joints leave a motion free at t = {t:.6g} s"
             raise NoDerivative(f"{message}, which other forces would change. Add a driver.")

@@ -12,7 +12,7 @@ from ....model.errors import listed
 from ....results import AssemblyRequest, Segments, StepsTaken
 from ....results.motion.steps import segments_of
 from ....system import System
-from ...equations.length import lever, scaled
+from ...equations.length import scaled, units
 from ...position.assembly_derivatives import NoDerivative
 from ..chain.chain import Gradients
 from .parameters import Parameters
@@ -87,7 +87,7 @@ def refuse(system: System, steps: StepsTaken | Segments, parameters: Parameters)
 def contradictions(system: System, b: Array, t: float, q: Array) -> Array:
     """Random sums of nᵀΦ_b (len(b), SUMS)."""
     J = system.Phi_q(q, t, b=b)
-    J = scaled(J, lever(system, q, J))
+    J = scaled(J, units(system, q, J))
     return _by_numbers(system, b, t, q, _sums(rank_of(J).null) / row_lengths(J)[:, None])
 
 
@@ -99,7 +99,7 @@ def _of_held(system: System, b: Array, q: Array, asked: AssemblyRequest) -> tupl
     t, held = asked.t, np.flatnonzero(asked.held_positions)
     system = system.holonomic  # others do not restrict positions
     J = system.Phi_q(q, t, b=b)
-    free = scaled(J, lever(system, q, J))[:, np.flatnonzero(~asked.held_positions)]
+    free = scaled(J, units(system, q, J))[:, np.flatnonzero(~asked.held_positions)]
     n = _sums(rank_of(csr_array(free), UNRESOLVED).null) / row_lengths(csr_array(free))[:, None]
     by_q = np.zeros((system.nq, SUMS))
     by_q[held] = J[:, held].T @ n

@@ -11,7 +11,7 @@ import numpy as np
 from ....model import ModelError, SarrusError
 from ....results import Assembly, State
 from ....system import System
-from ...equations.length import extent, units
+from ...equations.length import extent
 from ...equations.states_at_rest import places
 from ...equilibria.statics import equilibrium
 from ...position.assembly import assemble
@@ -174,7 +174,7 @@ def own_start(system: System, start: Assembly | None) -> tuple[bool, bool]:
     if start is None or start.asked is None:
         return True, True
     asked = start.asked
-    unit = units(system.nq, extent(system, system.q0))
+    unit = system.layout.scales(extent(system, system.q0))
     return bool(np.all(abs(asked.q - system.q0) <= SAME * unit)), np.array_equal(asked.v, system.v0)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from .._jit.linking.link import compiled
 from ..algebra import Array
 
-LOOKED_AT = 4  # columns at each step
+LOOKED_AT = 16  # columns at each step
 LARGE = 0.01  # of the largest in its column: an entry that may be a pivot
 LONGEST = 100, 400  # entries of a row or a column, most of the time, and at most: others have dense factors
 FOUND, SINGULAR, DENSE = 0, 1, 2
@@ -83,6 +83,8 @@ def pivot_of(found: int, work: Work) -> tuple[int, int]:
     """Row of the pivot, -1 if there is none, and its column's place in `left`."""
     best, size, row, taken = np.inf, 0.0, -1, -1
     for c in range(found):
+        if best == 0.0:
+            break
         j, count, largest = work.left[work.looked[c]], work.in_column[work.looked[c]], 0.0
         for slot in range(count):
             largest = max(largest, abs(work.values[j, slot]))

@@ -15,8 +15,9 @@ from ....linalg.factors import SingularSystem
 from ....linalg.sparse_solver import SingularMatrix
 from ....results import Assembly, StepsTaken
 from ....system import System
-from ...equations.block_matrix import PRECISE, Assembler, Numbers, PlacedMatrix, motion_matrix
+from ...equations.block_matrix import PRECISE, Numbers, PlacedMatrix, motion_matrix
 from ...equations.length import extent, kinematic_weights
+from ...equations.paired_matrix import PairedMatrix, none_paired
 from ...equations.projection import round_off_of
 from ..dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..events.switching_functions import no_switching
@@ -182,8 +183,7 @@ class DescribedStepper(FactoredPart):
         system, of_matrix = self.system, self._layout.of_matrix
         numbers = Numbers(system, of_matrix.names, of_matrix.like)
         self.matrix = PlacedMatrix(numbers, of_matrix.n, of_matrix.parts)
-        pair = of_matrix.n, of_matrix.parts, complex, self.matrix  # with its order of pivots
-        self._pair = PlacedMatrix(numbers, *pair) if self._split else None
+        self._pair = PairedMatrix(self.matrix, of_matrix.parts) if self._split else None
         self._of_motion = motion_matrix(system)
         self._keep(self.independence.rows)
         self._advance = link(loop.advance)
@@ -195,8 +195,7 @@ class DescribedStepper(FactoredPart):
         x, one = np.zeros(self._layout.size), self._layout.of_matrix.n if self._split else 0
         right = x[self._program.right : self._program.right + n]
         own = [np.zeros(width) for width in (n, m, nq + m)]
-        parts = [np.zeros(one, dtype=kind) for kind in (float, float, complex, complex)]
-        self._memory = Memory._make([right, *own, kinematic_weights(system), *parts])
+        self._memory = Memory._make([right, *own, kinematic_weights(system), np.zeros(one), np.zeros(one)])
         self._motion_kernels, self._work = motion_entries(system), motion_work(system)
         views = {name: x[place] for name, place in self._layout.nodes.items()}
         others = {"v_given": np.zeros(nq), "past": np.zeros(past), "past_a": np.zeros((past, nq))}
@@ -400,8 +399,7 @@ class DescribedStepper(FactoredPart):
     def _factors(self) -> bool:
         """Factor the matrices; false where one is singular, as by a force that is too steep for the step."""
         try:
-            for matrix in (self.matrix, self._pair) if self._pair else (self.matrix,):
-                matrix.factor(PRECISE)
+            (self._pair or self.matrix).factor(PRECISE)
             self._factor_motion(self.t, self._state.q0)
         except SingularMatrix:
             return False
@@ -415,7 +413,7 @@ class DescribedStepper(FactoredPart):
         control.x_h = control.factored_h = 0.0
         self.matrix.weights[:] = state.r[program.weights]
         if self._pair:
-            self._pair.weights[:] = state.r[program.pair_weights] @ (1.0, 1.0j)
+            self._pair.complex.weights[:] = state.r[program.pair_weights] @ (1.0, 1.0j)
         end = self.t + h
         link(evaluate)(program, self._entries, self.b, end, h, state.x, numbers.values, numbers.left_out)
 
@@ -454,7 +452,7 @@ class DescribedStepper(FactoredPart):
         numbers = self.matrix.numbers
         placed = self.matrix.placed
         assert placed is not None
-        pair = self._pair.placed if self._pair else _empty(placed)
+        pair = self._pair.show() if self._pair else none_paired(placed)
         self._arrays = Matrix._make([numbers.values, numbers.left_out, placed, pair])
         self._at_nodes = MotionSolver(self._motion_kernels, motion_arrays(self._of_motion), self._work)
 
@@ -473,12 +471,6 @@ class DescribedStepper(FactoredPart):
         order = error.of_method if isinstance(error, FilteredEstimate) else self._program.exponent - 1
         own = {"scheme": self.scheme, "start": self.begin, "b": self._numbers, "order": order}
         return self.store.steps(**own, **message)
-
-
-def _empty(placed: Assembler) -> Assembler:
-    """No complex matrix."""
-    none: Array = np.zeros(0, dtype=complex)
-    return Assembler._make(array[:0] for array in placed)._replace(weights=none, factors=none, work=none)
 
 
 def _value(affine: Affine, blocks: Mapping[str, Array]) -> Array:

@@ -6,6 +6,7 @@ from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import backsolve, refactor
+from ...equations.paired_matrix import renew_pairs, solve_stages
 from ..methods.program import CHANGE, EQUATIONS, MOMENTUM, OF_EQUATIONS, RESIDUAL, STAGES, VELOCITY, Program
 from ..methods.tables import GAMMA_Q_V, INERTIA, JACOBIAN, STIFFNESS
 from ..stepping.motion_scale import Tolerance
@@ -105,12 +106,18 @@ def renew(
     """Factor the matrix of the step as it is now; false if pivots must be renewed."""
     control.matrices += 1
     evaluate(program, entries, b, t, h, state.x, matrix.values, matrix.left_out)
-    if not refactor(matrix.values, matrix.placed) > TRUSTED:
-        return False
-    if len(program.T) > 0 and not refactor(matrix.values, matrix.pair) > TRUSTED:
+    if not factored(program, matrix):
         return False
     control.factored_h = h
     return True
+
+
+@compiled
+def factored(program: Program, matrix: Matrix) -> bool:
+    """Factor the matrix of its values, or both of them where stages are split; false if pivots must be renewed."""
+    if len(program.T) > 0:
+        return renew_pairs(matrix.values, matrix.pair) > TRUSTED
+    return refactor(matrix.values, matrix.placed) > TRUSTED
 
 
 @compiled
@@ -124,31 +131,13 @@ def size(change: Array, factor: float, q0: Array, q1: Array, rtol: Array, atol: 
 
 
 @compiled
-def solve(T: Array, back: Array, memory: Memory, matrix: Matrix) -> None:
-    """The changes of all unknowns; those of stages that are split by Z = T W, `back` is the inverse of T."""
-    if len(T) == 0:
-        backsolve(matrix.placed, memory.right, memory.solution)
-        return
-    n, right, to = len(memory.real), memory.right, memory.solution
-    for k in range(n):
-        r0, r1, r2 = right[k], right[n + k], right[2 * n + k]
-        memory.real[k] = back[0, 0] * r0 + back[0, 1] * r1 + back[0, 2] * r2
-        memory.pair[k] = (back[1, 0] * r0 + back[1, 1] * r1 + back[1, 2] * r2) + 1j * (
-            back[2, 0] * r0 + back[2, 1] * r1 + back[2, 2] * r2
-        )
-    backsolve(matrix.placed, memory.real, memory.real_solution)
-    backsolve(matrix.pair, memory.pair, memory.pair_solution)
-    for i in range(3):
-        for k in range(n):
-            w = memory.pair_solution[k]
-            to[i * n + k] = T[i, 0] * memory.real_solution[k] + T[i, 1] * w.real + T[i, 2] * w.imag
-
-
-@compiled
 def correct(program: Program, state: State, memory: Memory, matrix: Matrix, tol: Tolerance) -> float:
     """One correction of the unknowns by the residual and the factors at hand; returns its size."""
     x = state.x
-    solve(program.T, program.T_inverse, memory, matrix)
+    if len(program.T) > 0:
+        solve_stages(program.T, program.T_inverse, matrix.pair, memory.right, memory.solution)
+    else:
+        backsolve(matrix.placed, memory.right, memory.solution)
     unknowns, change = (
         x[program.unknowns : program.unknowns + program.n],
         x[program.change : program.change + program.n],

@@ -5,14 +5,14 @@ from __future__ import annotations
 from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
-from ...equations.block_matrix import backsolve, refactor
+from ...equations.paired_matrix import solve_real
 from ..dense_output.sample_loop import REFINEMENTS, solve_motion
 from ..dense_output.sample_loop import factor as factor_motion
 from ..methods.program import ERROR, MOMENTUM, OF_EQUATIONS, UPDATE, Program
 from ..methods.tables import STIFFNESS
 from ..stepping.motion_scale import Tolerance
 from .coefficients import apply
-from .equations import TRUSTED, evaluate, size, size_of_change
+from .equations import TRUSTED, evaluate, factored, size, size_of_change
 from .records import Control, Entries, Matrix, Memory, MotionSolver, State
 
 INFINITE = 1e300
@@ -130,11 +130,11 @@ def error_from_start(
             )
             one, two = matrix.values[row[5] : row[6]], matrix.values[row[7] : row[8]]
             call_kernels(kernels, b, t - h, state.q0, state.v0, one, two)
-    if not refactor(matrix.values, matrix.placed) > TRUSTED:
+    if not factored(program, matrix):
         return -1.0
     error = filtered_error(program, entries, b, state, memory, matrix, tol, again)
     evaluate(program, entries, b, t, h, state.x, matrix.values, matrix.left_out)
-    return error if refactor(matrix.values, matrix.placed) > TRUSTED else -1.0
+    return error if factored(program, matrix) else -1.0
 
 
 @compiled
@@ -156,7 +156,7 @@ def solve_for_error(
     for k in range(n):
         memory.real[of[4] + k] = x[program.error + k]
         memory.real[of[5] + k] = x[M_a + k]
-    backsolve(matrix.placed, memory.real, memory.real_solution)
+    solve_real(matrix.pair, memory.real, memory.real_solution)
     last = program.change + program.n - len(memory.real)
     for k in range(len(memory.real)):
         x[last + k] = memory.real_solution[k]

@@ -63,8 +63,10 @@ def prepare(
             if weights[k] != state.r[program.weights[k]]:
                 weights[k], control.factored_h = state.r[program.weights[k]], 0.0
         pair = matrix.pair.weights
-        for k in range(len(pair)):
-            pair[k] = state.r[program.pair_weights[k, 0]] + 1j * state.r[program.pair_weights[k, 1]]
+        for k in range(len(program.pair_weights)):
+            pair[4 * k] = weights[k]
+            for part in range(2):
+                pair[4 * k + 1 + part] = state.r[program.pair_weights[k, part]]
         if program.projects:
             remove_defect(
                 motion, b, t, 1.0 - ratio * ratio, state, memory.correction, matrix.left_out, control

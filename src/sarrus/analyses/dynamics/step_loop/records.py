@@ -7,6 +7,7 @@ from typing import NamedTuple
 from ...._jit.kernels.scalars import Scalars
 from ....algebra import Array
 from ...equations.block_matrix import Assembler
+from ...equations.paired_matrix import Pairs
 from ..dense_output import sample_loop
 
 
@@ -56,7 +57,7 @@ class State(NamedTuple):
 class Memory(NamedTuple):
     """Right side (in x) and solution of Newton's method; round-off of Φ; the removed defect (s, σ); W (nq,).
 
-    real, pair : right sides and solutions of the systems of stages that are split
+    real : right side and solution of the real system of stages that are split
     """
 
     right: Array
@@ -66,20 +67,19 @@ class Memory(NamedTuple):
     unit: Array
     real: Array
     real_solution: Array
-    pair: Array
-    pair_solution: Array
 
 
 class Matrix(NamedTuple):
     """The values of all operators, the matrix of a step and its factors.
 
-    Where stages are split, the matrix of the real eigenvalue, and that of the pair.
+    Where stages are split, `pair` has the matrices of the real eigenvalue and of the complex ones, and `placed` weights
+    of the real one.
     """
 
     values: Array
     left_out: Array
     placed: Assembler
-    pair: Assembler
+    pair: Pairs
 
 
 class Record(NamedTuple):

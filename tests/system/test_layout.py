@@ -24,14 +24,6 @@ POLYNOMIALS = {
     "model/laws/path.py": 1,
 }  # whose sevens have nothing to do with bodies
 LEFT = {
-    "analyses/driven/motion_loop.py": 4,
-    "analyses/dynamics/dense_output/sample_loop.py": 1,
-    "analyses/dynamics/integrators/described.py": 1,
-    "analyses/dynamics/step_loop/newton.py": 2,
-    "analyses/dynamics/stepping/failures.py": 1,
-    "analyses/dynamics/stepping/motion_scale.py": 8,
-    "analyses/dynamics/stepping/step_budget.py": 1,
-    "analyses/dynamics/stepping/tolerance.py": 10,
     "analyses/dynamics/time_loop/energy_check.py": 1,
     "analyses/equations/joint_wrenches.py": 10,
     "analyses/equations/minimum_norm.py": 4,

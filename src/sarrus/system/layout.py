@@ -123,6 +123,11 @@ class Layout:
         return np.searchsorted(self.firsts, np.arange(self.size), side="right") - 1
 
     @cached_property
+    def bounds(self) -> Array:
+        """Where the blocks of each owner begin and end: r, p, and the next owner (owners, 3)."""
+        return np.column_stack([self.firsts, self.rotations[:, 0], self.rotations[:, -1] + 1])
+
+    @cached_property
     def positions(self) -> Array:
         """Indices of the positions of bodies (bodies, 3)."""
         return self._places(POSITION)

@@ -77,7 +77,8 @@ class Jacobian(NamedTuple):
     by_r, by_p, terms : (m,) squared norms of the derivatives by displacements and Euler parameters, and Σ |Φ_q| |q|
     limits : (m,) of |Φ|
     force, answer, weak, direction : (nq,) work arrays; left and right direction of the smallest singular value
-    length : unit of displacements, the extent of the model
+    is_length : which coordinates are displacements (nq,)
+    length : their unit, the extent of the model
     """
 
     values: Array
@@ -93,6 +94,7 @@ class Jacobian(NamedTuple):
     answer: Array
     weak: Array
     direction: Array
+    is_length: Array
     length: float
 
 
@@ -133,7 +135,7 @@ def measure(J: Jacobian, q: Array) -> None:
         for entry in range(others.first[row], others.first[row + 1]):
             column, number = others.columns[entry], J.Phi_q[entry]
             terms += abs(number) * abs(q[column])
-            if column % 7 < 3:
+            if J.is_length[column]:
                 by_r += number * number
             else:
                 by_p += number * number
@@ -184,7 +186,7 @@ def position(solver: Solver, t: float, q: Array, control: Control) -> int:
         control.iterations += 1
         for k in range(len(q)):
             q[k] += J.answer[k]
-        size = size_of(J.answer, len(q), J.length)
+        size = size_of(J.answer, J.is_length, J.length)
         ended = size <= SETTLED or not size <= CONTRACTION * before
         before = size
     if closed(work.Phi, J.limits):
@@ -216,7 +218,7 @@ def weakest(J: Jacobian, q: Array) -> float:
         x[k] = math.cos(k + 1.0)
         norm += x[k] * x[k]
     for k in range(n):
-        x[k] /= math.sqrt(norm) * (J.length if k % 7 < 3 else 1.0)
+        x[k] /= math.sqrt(norm) * (J.length if J.is_length[k] else 1.0)
     for _ in range(ROUNDS):
         backsolve_transposed(J.placed, x, y)
         norm = 0.0
@@ -230,11 +232,11 @@ def weakest(J: Jacobian, q: Array) -> float:
         backsolve(J.placed, J.force, x)
         norm = 0.0
         for k in range(n):
-            x[k] /= J.length if k % 7 < 3 else 1.0
+            x[k] /= J.length if J.is_length[k] else 1.0
             norm += x[k] * x[k]
         size = 1.0 / math.sqrt(norm)
         for k in range(n):
-            x[k] *= size / (J.length if k % 7 < 3 else 1.0)
+            x[k] *= size / (J.length if J.is_length[k] else 1.0)
     return size
 
 
@@ -269,10 +271,10 @@ def step(solver: Solver, t: float, control: Control) -> int:
     outcome = instant(solver, t, found, control)
     if outcome != FOUND:
         return outcome
-    answer = solver.jacobian.answer
+    J, answer = solver.jacobian, solver.jacobian.answer
     for k in range(len(now.q)):
         answer[k] = found.q[k] - (now.q[k] + h * (now.v[k] + 0.5 * h * now.a[k]))
-    far = size_of(answer, len(answer), solver.jacobian.length) > JUMP
+    far = size_of(answer, J.is_length, J.length) > JUMP
     return MISSED if far or control.sign_found == 0.0 else FOUND
 
 

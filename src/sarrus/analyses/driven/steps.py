@@ -88,7 +88,7 @@ class Path:
         rows, columns, pair = np.zeros((4, system.m)), np.zeros((4, nq)), np.zeros((2, 2, nq))
         matrix = (numbers.values, numbers.views["Phi_q"], self._matrix.placed, self.rows)
         others = left_out(system, self.rows)._replace(Phi_q=numbers.views["Phi_q"])  # at the same state
-        jacobian: Any = (*matrix, others, *rows, *columns, self._length)
+        jacobian: Any = (*matrix, others, *rows, *columns, system.layout.is_length, self._length)
         of = system.counted_coordinates
         coordinates = winding.residual, winding.velocity, of.b, of.angles, winding.values, winding.work
         joints: Any = (*coordinates, np.zeros(2), *pair, self._revolutions)

@@ -52,7 +52,7 @@ class Work(NamedTuple):
     """Operators' outputs and work arrays.
 
     weak : the combination of equations that is closest to vanishing
-    moving : number of coordinates of bodies, behind which those of blocks of states are
+    is_length : which coordinates of bodies are displacements; those of blocks of states are behind them
     """
 
     Phi: Array
@@ -68,7 +68,7 @@ class Work(NamedTuple):
     potential: Array
     memory: Array
     weak: Array
-    moving: int
+    is_length: Array
 
 
 class Matrix(NamedTuple):
@@ -172,11 +172,11 @@ def length_of(placed: Assembler) -> float:
 
 
 @compiled
-def size_of(x: Array, count: int, length: float) -> float:
+def size_of(x: Array, is_length: Array, length: float) -> float:
     """The largest of the first entries: displacements, in parts of a length, and Euler parameters; or their rates."""
     largest = 0.0
-    for k in range(count):
-        largest = max(largest, abs(x[k]) / length if k % 7 < 3 else abs(x[k]))
+    for k in range(len(is_length)):
+        largest = max(largest, abs(x[k]) / length if is_length[k] else abs(x[k]))
     return largest
 
 
@@ -203,7 +203,7 @@ def correct(
     """
     n, placed = len(x), matrix.placed
     worst = largest_defect(n, work, matrix, violation, kind)
-    size = max(least, size_of(x, work.moving, length_of(placed)))
+    size = max(least, size_of(x, work.is_length, length_of(placed)))
     if worst <= PROJECTED * least or (not worst < 0.5 * before and worst < ROUND * size):
         return worst, DONE
     if not worst < 0.5 * before:
@@ -237,15 +237,15 @@ def consistent(
     if not largest_defect(len(q), work, matrix, violation, 0) <= PROJECTED:
         return False
     velocity_defect(entries, b, t, q, v, work)
-    fastest = max(TINY, size_of(v, work.moving, length_of(matrix.placed)))
+    fastest = max(TINY, size_of(v, work.is_length, length_of(matrix.placed)))
     return largest_defect(len(q), work, matrix, violation, 1) <= PROJECTED * fastest
 
 
 @compiled
 def sensible(v: Array, defect: float, work: Work, length: float) -> bool:
     """Whether the change of the velocities just made is no round-off that a nearly singular matrix has magnified."""
-    moved = size_of(work.solution, work.moving, length)
-    return moved < MAGNIFIED * defect or moved < SLIGHT * (size_of(v, work.moving, length) + moved)
+    moved = size_of(work.solution, work.is_length, length)
+    return moved < MAGNIFIED * defect or moved < SLIGHT * (size_of(v, work.is_length, length) + moved)
 
 
 @compiled
@@ -273,7 +273,7 @@ def project(
     before, fastest, length, first = INFINITE, TINY, length_of(matrix.placed), True
     for _ in range(PROJECTIONS):
         velocity_defect(entries, b, t, q, v, work)
-        fastest = max(fastest, size_of(v, work.moving, length))
+        fastest = max(fastest, size_of(v, work.is_length, length))
         before, done = correct(v, before, fastest, work, matrix, violation, 1)
         if done == UNDONE:
             return False
@@ -314,7 +314,9 @@ def solve_motion(
         for k in range(n):
             a[k] -= work.solution[k]
         length = length_of(placed)
-        change = size_of(work.solution, work.moving, length) / max(size_of(a, work.moving, length), TINY)
+        change = size_of(work.solution, work.is_length, length) / max(
+            size_of(a, work.is_length, length), TINY
+        )
         pulled, force = 0.0, TINY
         for k in range(len(lam)):
             lam[k] -= work.solution[n + k]
@@ -331,7 +333,7 @@ def energies(entries: Entries, b: Array, t: float, q: Array, v: Array, work: Wor
     """Kinetic and potential."""
     call_kernels(entries.momentum, b, q, v, v, work.M_a, work.S)
     total = 0.0
-    for k in range(work.moving):
+    for k in range(len(work.is_length)):
         total += 0.5 * v[k] * work.M_a[k]
     energy[0], total = total, 0.0
     if len(work.potential):

@@ -360,7 +360,7 @@ class DescribedStepper(FactoredPart):
 
     def _why_small(self) -> str:
         q, v = self._state.q0, self._state.v0
-        far = float(abs(q[: self.system.moving].reshape(-1, 7)[:, :3]).max(initial=0.0))
+        far = float(abs(q[self.system.layout.positions]).max(initial=0.0))
         if far > FAR * extent(self.system, q) and self._control.x_h < finest(self.settings.tolerances, q, v):
             return (
                 f"bodies are {far:.3g} m from the origin, where positions have fewer digits than the tolerances "

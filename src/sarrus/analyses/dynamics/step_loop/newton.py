@@ -25,12 +25,13 @@ def ignored_round_off(h: float, state: State, tol: Tolerance) -> float:
     """1 where the round-off of Φ, divided by h, is more than Newton's method may leave in v, see `described.finest`."""
     length = tol.size[LENGTH] if tol.size[LENGTH] > 0.0 else 1.0
     largest, total, moving = 0.0, 0.0, len(state.q0) - len(tol.states)
-    for k in range(moving):
-        largest = max(largest, abs(state.q0[k]) / length if k % 7 < 3 else abs(state.q0[k]))
-    for k in range(moving):
-        unit = length if k % 7 < 3 else 1.0
-        relative = unit / (tol.atol_v[k] + tol.rtol_v[k] * abs(state.v0[k]))
-        total += relative * relative
+    for i in range(len(tol.bounds)):
+        for kind in range(2):
+            unit = length if kind == 0 else 1.0
+            for k in range(tol.bounds[i, kind], tol.bounds[i, kind + 1]):
+                largest = max(largest, abs(state.q0[k]) / unit)
+                relative = unit / (tol.atol_v[k] + tol.rtol_v[k] * abs(state.v0[k]))
+                total += relative * relative
     size = tol.noise * 2.0 * EPSILON * largest / h * (total / moving) ** 0.5
     return 1.0 if size > NEWTON_SHARE else 0.0
 

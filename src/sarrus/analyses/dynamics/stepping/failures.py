@@ -42,7 +42,7 @@ def not_finite(system: System, b: Array, t: float, q: Array, v: Array) -> list[s
 
 def _beyond(limit: float, operator: str, system: System, b: Array, t: float, q: Array, v: Array) -> list[str]:
     """The forces, by name, whose result of an operator at a state has entries beyond a limit, or no numbers."""
-    found, rest = list[str](), np.zeros(7)
+    found, rest = list[str](), np.zeros_like(GROUND)
     for p in filter(lambda p: p.is_force, system.populations):
         for k, owner in enumerate(p.owners):
             at = p.at + k * p.kind.size()

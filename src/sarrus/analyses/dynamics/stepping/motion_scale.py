@@ -28,6 +28,7 @@ class Tolerance(NamedTuple):
 
     share_q, share_v : what they are of its size
     base : q at the start of the run
+    bounds : of each body where its position, its Euler parameters and the next body begin (n, 3)
     motion : of each body the largest displacement, rotation and rates of both so far, and the same within a step (n, 8)
     size : characteristic length (0: absolute tolerances stay), duration of the run, the factor for its number of
         periods, the largest displacement, rotation and rates, and the number of attempted steps
@@ -46,6 +47,7 @@ class Tolerance(NamedTuple):
     share_q: Array
     share_v: Array
     base: Array
+    bounds: Array
     motion: Array
     size: Array
     states: Array
@@ -82,8 +84,7 @@ def follow_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first:
             fast = part * max(size[LARGEST + 2], length * size[LARGEST + 3])
             moved = max(moved, tol.motion[i, kind], tol.motion[i, 4 + kind])
             fast = max(fast, tol.motion[i, 2 + kind], tol.motion[i, 6 + kind])
-            begin, end = (7 * i, 7 * i + 3) if kind == 0 else (7 * i + 3, 7 * i + 7)
-            for k in range(begin, end):
+            for k in range(tol.bounds[i, kind], tol.bounds[i, kind + 1]):
                 tol.atol_q[k] = max(share * tol.share_q[k] * moved, FINEST * noise)
                 tol.atol_v[k] = max(share * tol.share_v[k] * fast, FINEST * noise / h)
 
@@ -96,9 +97,8 @@ def measure_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first
         size[k] = 0.0
     for i in range(len(tol.motion)):
         for kind in range(2):
-            begin, end = (7 * i, 7 * i + 3) if kind == 0 else (7 * i + 3, 7 * i + 7)
             moved, fast, gain = 0.0, 0.0, 0.0
-            for k in range(begin, end):
+            for k in range(tol.bounds[i, kind], tol.bounds[i, kind + 1]):
                 moved += (q[k] - tol.base[k]) ** 2
                 fast += v[k] ** 2
                 gain += a[k] ** 2

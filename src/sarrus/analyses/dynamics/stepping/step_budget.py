@@ -52,7 +52,11 @@ def changing_fastest(system: System, nodes: Nodes) -> str:
     if not np.all(np.isfinite(change)) or change[k] == 0.0:
         return ""
     states = {one.place: f"rate of the state {name}" for name, one in system.states.items()}
-    what = f"motion of {system.bodies[k // 7]}" if k < system.moving else states.get(k, "rate of a state")
+    what = (
+        f"motion of {system.layout.owners[system.layout.owner_of[k]]}"
+        if k < system.moving
+        else states.get(k, "rate of a state")
+    )
     return f" The {what} changes fastest there."
 
 

@@ -17,6 +17,7 @@ from ....model.checks.arguments import as_numbers
 from ....model.expression import parse
 from ....model.expression.quantity import quantity_of
 from ....system import System
+from ....system.layout import Layout
 from ...equations.length import extent
 from ..methods.leading_error import ErrorTerm
 from .motion_scale import LARGEST, LEAST_MOTION, LENGTH, MOVES, SIZES, SPAN, UNUSED, Tolerance, follow_motion
@@ -40,6 +41,7 @@ class Tolerances:
     ----------
     rtol_q, atol_q, rtol_v, atol_v : (nq,)
     speed : whether velocities were given tolerances of their own, and so are controlled
+    layout : of the coordinates
     follow : whether tolerances are relative to the size of the motion, and absolute ones follow it, see `motion_scale`
     states : of the coordinates of blocks of states, behind those of bodies, the least sizes, or `UNUSED`
     """
@@ -49,6 +51,7 @@ class Tolerances:
     rtol_v: Array
     atol_v: Array
     speed: bool
+    layout: Layout
     follow: bool = False
     states: Array = field(default_factory=lambda: np.zeros(0))
 
@@ -72,7 +75,16 @@ class Tolerances:
         least = np.full(system.nq - system.moving, UNUSED)
         for one in (*system.states.values(), *system.followed_states.values()):
             least[one.place - system.moving] = LEAST_MOTION * one.nominal
-        return cls(relative[0], absolute[0], relative[1], absolute[1], bool(speed), atol is None, least)
+        return cls(
+            relative[0],
+            absolute[0],
+            relative[1],
+            absolute[1],
+            bool(speed),
+            system.layout,
+            atol is None,
+            least,
+        )
 
     def of_state(self, q: Array, v: Array, length: float) -> tuple[Array, Array]:
         """Tolerances of q and of v at a state; those that follow a motion, for motions over the length of a system."""
@@ -81,19 +93,15 @@ class Tolerances:
             return np.maximum(self.atol_q + self.rtol_q * abs(q), least[0]), np.maximum(
                 self.atol_v + self.rtol_v * abs(v), least[1]
             )
-        unit = np.tile(np.repeat([length, 1.0], (3, 4)), len(q) // 7)
+        unit = self.layout.scales(length)
         return self.rtol_q * unit, self.rtol_v * unit * abs(v / unit).max(initial=0.0)
 
     def of_motion(self, q: Array) -> Array:
         """The tolerance of each coordinate at the end of a motion (n, nq)."""
         if not self.follow:
             return np.asarray(self.atol_q + self.rtol_q * abs(q[-1]))
-        moved = abs(q - q[0]).max(axis=0).reshape(-1, 7)
-        kinds = [np.repeat(moved[:, part].max(axis=1), n) for part, n in ((slice(3), 3), (slice(3, 7), 4))]
-        bodies = len(moved)
-        return np.asarray(
-            self.rtol_q * np.hstack([kinds[0].reshape(bodies, 3), kinds[1].reshape(bodies, 4)]).ravel()
-        )
+        moved = np.maximum.reduceat(abs(q - q[0]).max(axis=0), self.layout.starts)
+        return np.asarray(self.rtol_q * np.repeat(moved, self.layout.widths))
 
     def greatest(self, tolerance: Tolerance) -> dict[str, float]:
         """The greatest of each kind, of coordinates, at the end of a run by a compiled loop."""
@@ -109,11 +117,11 @@ class Tolerances:
         fixed = [np.asarray(factor_q * self.atol_q), np.asarray(factor_v * self.atol_v)]
         nothing = np.zeros_like(self.rtol_q)
         given = [nothing, nothing.copy()] if self.follow else shares
-        bodies = (len(nothing) - len(self.states)) // 7
-        size, motion = np.zeros(SIZES), np.zeros((bodies, MOVES))
+        bounds, moving = self.layout.bodies.bounds, self.layout.bodies.size
+        size, motion = np.zeros(SIZES), np.zeros((len(bounds), MOVES))
         fast = float(speed or self.speed)
-        given[1][7 * bodies :] = np.where(self.states == UNUSED, 0.0, shares[1][7 * bodies :])
-        own = (shares[0], shares[1], nothing.copy(), motion, size, self.states.copy())
+        given[1][moving:] = np.where(self.states == UNUSED, 0.0, shares[1][moving:])
+        own = (shares[0], shares[1], nothing.copy(), bounds, motion, size, self.states.copy())
         return Tolerance(given[0], fixed[0], given[1], fixed[1], fast, *own)
 
 
@@ -152,8 +160,8 @@ def _by_kind(system: System, name: str, given: Mapping[str, Any]) -> tuple[Array
         float(given.get("velocity", position)),
         float(given.get("rotation", given.get("velocity", turning))),
     )
-    bodies = system.nq // 7
-    return tuple(np.tile(np.repeat(pair, (3, 4)), bodies) for pair in ((position, turning), speeds))  # type: ignore[return-value]
+    is_length = system.layout.is_length
+    return np.where(is_length, position, turning), np.where(is_length, *speeds)
 
 
 def _in_si(name: str, kind: str, value: Any) -> Any:
@@ -193,10 +201,10 @@ def begin_motion(
         tolerance.size[LENGTH], tolerance.size[SPAN] = extent(system, q), 0.0 if until is None else until - t
 
 
-def _over_length(v: Array, a: Array, length: float) -> float:
+def _over_length(bounds: Array, v: Array, a: Array, length: float) -> float:
     """The time in which a body moves by a length, or rotates by a radian, with v or a of a state [s]."""
-    unit = np.where(np.arange(len(v)) % 7 < 3, 1.0, length)
-    speed, gain = (float(abs(unit * x).max(initial=0.0)) for x in (v, a))
+    unit = np.repeat(np.tile([1.0, length], len(bounds)), np.diff(bounds).ravel())
+    speed, gain = (float(abs(unit * x[: len(unit)]).max(initial=0.0)) for x in (v, a))
     return min(length / speed if speed else np.inf, (2 * length / gain) ** 0.5 if gain else np.inf)
 
 
@@ -215,8 +223,8 @@ def first_step(
     Tolerances that follow the motion are those of the longest step that is tried.
     """
     exponent, constant = error
-    moving, length = 7 * len(tolerance.motion), float(tolerance.size[LENGTH])
-    h = min(longest, _over_length(v[:moving], a[:moving], length) if length else np.inf)
+    length = float(tolerance.size[LENGTH])
+    h = min(longest, _over_length(tolerance.bounds, v, a, length) if length else np.inf)
     link(follow_motion)(tolerance, h, q, v, a, True)
     allowed = tolerance.atol_q + tolerance.rtol_q * abs(q)
     for _ in range(TRIALS):

@@ -136,9 +136,15 @@ class PlacedMatrix:
         else:
             self._layout = host._layout
             first = tuple(self._layout.first[host._kinds.index(part)] for part in self._kinds)
-        self.parts = np.column_stack([spans(numbers, self._kinds), first]).astype(np.int64)
+        own = spans(numbers.system, numbers.names, numbers.like, self._kinds)
+        self.parts = np.column_stack([own, first])
         self.weights: Array = np.ones(len(parts), dtype=kind)
         self.placed: Assembler | None = None
+        self._order: Assembler | None = None
+
+    def take_order(self) -> None:
+        """Take the order of pivots that the host has now."""
+        self._order = self._host.placed if self._host else None
 
     def assembled(self) -> Array:
         """The numbers of the matrix, by columns, for the numbers and weights that are there now."""
@@ -231,7 +237,7 @@ class PlacedMatrix:
     def _lodged(self) -> Assembler | None:
         """With the order of the host, or else that of the model's position, and memory for factors."""
         if self._host is not None:
-            found = self._host.placed
+            found = self._order or self._host.placed
         else:
             own, left_out = self.numbers, self.numbers.left_out.tobytes()
             (found,) = first_order(own.system, own.names, own.like, self.n, self._kinds, left_out)
@@ -334,12 +340,14 @@ def _entries(system: System, part: Part, like: dict[str, str]) -> tuple[Array, A
     return rows + np.int32(part.row), columns + np.int32(part.column)
 
 
-def spans(numbers: Numbers, parts: Sequence[Part]) -> Array:
+@once_alike
+def spans(
+    system: System, names: tuple[str, ...], like: tuple[tuple[str, str], ...], parts: tuple[Part, ...]
+) -> Array:
     """Where the numbers of each part begin among all, and how many they are (parts, 2)."""
-    own = [span(numbers.system, dict(numbers.like).get(part.name, part.name), part.rows) for part in parts]
-    found = [
-        (numbers.start[part.name] + x.start, x.stop - x.start) for part, x in zip(parts, own, strict=True)
-    ]
+    start = dict(zip(names, numbering(system, names, like)[0], strict=False))
+    own = [span(system, dict(like).get(part.name, part.name), part.rows) for part in parts]
+    found = [(start[part.name] + x.start, x.stop - x.start) for part, x in zip(parts, own, strict=True)]
     return np.array(found, np.int64).reshape(-1, 2)
 
 

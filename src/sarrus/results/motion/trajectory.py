@@ -32,7 +32,7 @@ ENERGIES = ("kinetic_energy", "potential_energy")
 COLUMNS = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", *ENERGIES, "memory", "revolutions")
 # Fields that a run computes when somebody looks at them; the last ones are not computed with positions and velocities
 LAST = ("a", "lam", *ENERGIES, "singular", "message")
-COMPUTED = (*COLUMNS[1:], "singular", "message")
+COMPUTED = (*COLUMNS[1:], "singular", "message", "final")
 
 
 class Later(Protocol):
@@ -116,7 +116,7 @@ class Trajectory(Result):
     steps_folder: str = field(default="", repr=False, compare=False)
     memory: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
     revolutions: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
-    final: State | None = field(default=None, repr=False)
+    final: State | None = field(default_factory=lambda: None, repr=False)
     analysis: str = field(default="simulation", repr=False)
     states: Mapping[str, tuple[int, str, str]] = field(default_factory=dict, repr=False, compare=False)
     _later: Later | None = field(default=None, repr=False, compare=False)

@@ -93,6 +93,7 @@ class Sampler(FactoredPart):
         self._entries, self._work = motion_entries(system), motion_work(system)
         self._sample = link(loop.sample)
         self._arrays: loop.Matrix | None = None
+        self._first: tuple[float, Array, Array] | None = None
 
     def capacity(self, times: Array) -> loop.Samples:
         """Buffers for states at these times."""
@@ -121,6 +122,7 @@ class Sampler(FactoredPart):
         Where equations are dependent, with the `shortest` multipliers, or any. Steps with at least so many states as
         `crowded` have points, between which positions and velocities are interpolated; see `sample_loop.sample`.
         """
+        self._begin()
         points, point_of = self._points(out.t, nodes, crowded)
         self._choose(float(nodes.t[0]), nodes.q[0])
         if out.memory.size:
@@ -208,8 +210,17 @@ class Sampler(FactoredPart):
         rate = system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b)
         out.violation[n] = [abs(x).max(initial=0.0) for x in (system.Phi(q, t, b=b), rate)]
 
-    def begin(self, t: float, q: Array) -> None:
-        """Choose pivots at a state."""
+    def begin(self, t: float, q: Array, memory: Array) -> None:
+        """Choose pivots at a state, as soon as states are wanted."""
+        self._first = t, q, memory
+        self.matrix.take_order()
+
+    def _begin(self) -> None:
+        """Choose the pivots that are to be chosen first."""
+        if self._first is None:
+            return
+        (t, q, memory), self._first = self._first, None
+        self.b[self.system.memory_places] = memory
         self._choose(t, q)
         self._factored(t, q)
 
@@ -242,8 +253,14 @@ class Sampler(FactoredPart):
         """The matrix as the loop takes it."""
         self._arrays = motion_arrays(self.matrix)
 
+    def state(self) -> dict[str, Array]:
+        """See `RunPart`."""
+        self._begin()
+        return super().state()
+
     def resume(self, state: Mapping[str, Array]) -> None:
         """See `RunPart`: the choices made before, which decide on the last digits."""
+        self._first = None
         super().resume(state)
         self.matrix.numbers.keep(self.independence.rows)
 
@@ -255,6 +272,7 @@ class Sampler(FactoredPart):
         RunFailure
             In a singular configuration.
         """
+        self._begin()
         if not self._factored(t, q):
             raise RunFailure(
                 "singular configuration",

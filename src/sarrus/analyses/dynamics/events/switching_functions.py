@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -133,12 +134,18 @@ def _compiled(
         period=np.array([_period(one.table) for one in own]),
         returns=np.array([returns(one) for one in own], dtype=bool),
         near=np.array([near]),
-        shifts=SHIFT * np.random.default_rng(0).standard_normal((SHIFTS, 2, nq)),
+        shifts=shifts(nq),
         arguments=np.zeros(size),
         **{name: np.zeros((rows, n)) for name, rows in ROWS.items()},
         **{name: np.zeros(n) for name in ("changes", "ignored")},
         **{name: np.zeros(nq) for name in "qva"},
     )  # fmt: skip
+
+
+@cache
+def shifts(nq: int) -> Array:
+    """Random displacements and velocities (SHIFTS, 2, nq), see `Switching`."""
+    return SHIFT * np.random.default_rng(0).standard_normal((SHIFTS, 2, nq))
 
 
 def _period(table: Curve | None) -> float:
@@ -161,25 +168,21 @@ class SwitchingFunctions:
     """
 
     def __init__(self, system: System) -> None:
-        found = switches_of(system)
-        kinds = [system.populations[n] for n in found]
-        self._nq, self._values = (
-            system.nq,
-            ElementValues("force_arguments", kinds, recorded_arguments, OPERANDS),
-        )
-        self.all = [switch for own in found.values() for switch in own]
-        places = zip(self._values.starts, self._values.widths, strict=True)
-        self._first: dict[int, tuple[int, int]] = dict(zip(found, places, strict=True))
+        self._system, self._found = system, switches_of(system)
+        self.all = [switch for own in self._found.values() for switch in own]
 
     def compiled(self, returns: Callable[[Switch], bool], near: bool) -> Switching:
         """All of them for the loop of steps, see `Switching`."""
-        values = self._values
-        return _compiled(self.all, values.entry(), self._column, values.size, self._nq, returns, near)
+        kinds = [self._system.populations[n] for n in self._found]
+        values = ElementValues("force_arguments", kinds, recorded_arguments, OPERANDS)
+        places = dict(zip(self._found, zip(values.starts, values.widths, strict=True), strict=True))
 
-    def _column(self, corner: Corner, argument: int) -> int:
-        """The place of an argument of an element; that of the force itself for -1."""
-        start, width = self._first[corner.population]
-        return start + corner.element * width + argument % width
+        def column(corner: Corner, argument: int) -> int:
+            """The place of an argument of an element; that of the force itself for -1."""
+            start, width = places[corner.population]
+            return int(start + corner.element * width + argument % width)
+
+        return _compiled(self.all, values.entry(), column, values.size, self._system.nq, returns, near)
 
 
 @once

@@ -348,7 +348,8 @@ def points_of_tables(system: System, begin: float, until: float) -> tuple[Array,
     A table is a cubic spline, twice continuously differentiable at its inner points, and straight beyond its ends, or
     periodic. Cubics that a user gives may be any.
     """
-    curves = _curves_of_time(system)
+    if not (curves := _curves_of_time(system)):
+        return (np.zeros(0),) * 3
     every = [
         x for curve in curves for x in curve.knots_within(begin, until)[1:-1]
     ]  # the outer segments are straight

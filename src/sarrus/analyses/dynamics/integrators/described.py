@@ -238,7 +238,7 @@ class DescribedStepper(FactoredPart):
         elif not first:
             first = first_step(self, self._tolerance, self._first_error, t, q, v, a, longest)
         control.h = control.x_h = first
-        self._renew_pivots()
+        self._renew_pivots(of_motion=False)  # they have just been chosen
         self.store.begin(**self._node())
 
     def shorten(self, longest: float) -> None:
@@ -379,7 +379,7 @@ class DescribedStepper(FactoredPart):
             state.x[at : at + self.system.m] = 0.0
             self._control.continued, self._arrays = False, None
 
-    def _renew_pivots(self) -> None:
+    def _renew_pivots(self, of_motion: bool = True) -> None:
         """Pivot orders for the matrices of the next step, as far as it is known, and of the equations of motion."""
         given = self.store.given()
         self._evaluate(float(given[0] if len(given) else self._control.h))
@@ -387,7 +387,7 @@ class DescribedStepper(FactoredPart):
             self._control.h *= 0.25
             self._evaluate(float(self._control.h))
         length, shortened = self._control.h, 0
-        while not self._factors():
+        while not self._factors(of_motion):
             shortened += 1
             if shortened > PATIENCE or not self._can_shorten(given):
                 self._control.h = length
@@ -396,11 +396,12 @@ class DescribedStepper(FactoredPart):
             self._evaluate(float(self._control.h))
         self._show_matrix()
 
-    def _factors(self) -> bool:
+    def _factors(self, of_motion: bool) -> bool:
         """Factor the matrices; false where one is singular, as by a force that is too steep for the step."""
         try:
             (self._pair or self.matrix).factor(PRECISE)
-            self._factor_motion(self.t, self._state.q0)
+            if of_motion:
+                self._factor_motion(self.t, self._state.q0)
         except SingularMatrix:
             return False
         return True

@@ -13,17 +13,17 @@ from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
 from ....model.announcement import announce, warn_now
 from ....model.read_only import read_only
-from ....results import Trajectory
+from ....results import State, Trajectory
 from ....results.motion.trajectory import COMPUTED, LAST
 from ....system import System
 from ..dense_output.sample_loop import REFINEMENTS, Samples
-from ..dense_output.sampler import Sampler, samples_at
+from ..dense_output.sampler import PORTION, Sampler, samples_at
 from ..dense_output.winding import revolutions_between
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import RunPart
 from .nearness import Nearness
 
-COUNTED = "revolutions"  # the field
+COUNTED, FINAL = "revolutions", "final"  # the fields
 CROWDED = 10  # outputs within a step, above which its points take less time than they save
 SUCCESS = ("finished", "event")
 
@@ -61,6 +61,7 @@ class OutputStates(RunPart):
         self.nearness = Nearness(system, sampler.independence)
         self._excess, self.lock = 0, RLock()
         self._status, self._message = "", ""
+        self._reached: Callable[[], State | None] = lambda: None
         self._fields: dict[str, Any] = {}
 
     def take(self, nodes: Nodes, times: Array, revolutions: Array) -> None:
@@ -68,14 +69,14 @@ class OutputStates(RunPart):
         self.waiting.append(Waiting(nodes, times, revolutions))
         self._excess += len(nodes.t) - len(times)
 
-    def end(self, status: str, message: str) -> None:
-        """Take the status and the message of the run."""
-        self._status, self._message = status, message
+    def end(self, status: str, message: str, reached: Callable[[], State | None]) -> None:
+        """Take the status and the message of the run, and what computes the state that it has reached."""
+        self._status, self._message, self._reached = status, message, reached
 
     @property
     def too_large(self) -> bool:
-        """Whether the steps that wait need more memory than their states."""
-        return self._excess > 0
+        """Whether the steps that wait need much more memory than their states."""
+        return self._excess > PORTION
 
     def released(self) -> list[Samples]:
         """The states computed since the last call, which are not stored here any longer."""
@@ -122,7 +123,10 @@ class OutputStates(RunPart):
     def fields(self, name: str) -> dict[str, Any]:
         """The field of a trajectory, and all that are computed so far: those of its copies, too."""
         with self.lock:
-            if name not in LAST and not self._fields:
+            if name == FINAL and name not in self._fields:
+                self._fields |= {FINAL: read_only(self._reached())}
+                return self._fields
+            if name not in LAST and self._fields.keys() <= {FINAL}:
                 self._project()
             if name == COUNTED and name not in self._fields and "q" in self._fields:
                 self._count()
@@ -138,14 +142,15 @@ class OutputStates(RunPart):
         self.compute()
         message, warnings = self.remarks()
         rest = {"singular": tuple(self.nearness.times), "message": message, "warnings": tuple(warnings)}
-        return _columns(self._computed, self.system) | self._fields | rest
+        final = {} if FINAL in self._fields else {FINAL: self._reached()}
+        return _columns(self._computed, self.system) | self._fields | rest | final
 
     def _project(self) -> None:
         """Compute positions and velocities, if all are on the constraints."""
         states = self._states(rounds=0)
         if not any(np.isinf(out.growth).any() for out in states):
             columns = _columns([*self._computed, *states], self.system)
-            self._fields = read_only(
+            self._fields |= read_only(
                 {name: array for name, array in columns.items() if name not in (*LAST, COUNTED)}
             )
         unfilled = "a", "lam", "energy"

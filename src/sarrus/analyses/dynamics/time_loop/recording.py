@@ -21,7 +21,6 @@ from ....results.motion.steps import until as steps_until
 from ....results.saving.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
 from ....results.saving.saved import COUNTS, STORED_STEPS, UNFINISHED, Store
 from ....system import System
-from ...equations.block_matrix import PlacedMatrix
 from ...equations.table_ranges import announce_left_tables
 from ...progress import TimeLimit
 from ..dense_output.sample_loop import Samples
@@ -127,7 +126,7 @@ class Recording(RunPart):
     def __init__(self, system: System, stepper: Stepper, plan: Plan) -> None:
         self.system, self.stepper, self.plan = system, stepper, plan
         self.sampler = sampler_of(system, stepper)
-        self.outputs = OutputStates(system, sampler_of(system, stepper, self.sampler.matrix))
+        self.outputs = OutputStates(system, sampler_of(system, stepper))
         # whose choices the run does not depend on, as it does not depend on when it is saved
         self._sampler_of_marks = sampler_of(system, stepper) if plan.store else self.sampler
         self._at_once = plan.store is not None or is_strict()  # outputs are computed in the run
@@ -154,7 +153,7 @@ class Recording(RunPart):
         last = int(np.searchsorted(self.plan.times, nodes.t[-1], side="right"))
         if self._last is None:  # pivots do not depend on when states are computed
             for sampler in (self.sampler, self.outputs.sampler):
-                sampler.begin(float(nodes.t[0]), nodes.q[0])
+                sampler.begin(float(nodes.t[0]), nodes.q[0], nodes.memory[0])
         revolutions = self.winding.take(nodes.t, nodes.q, nodes.v)
         self.outputs.take(nodes, self.plan.times[self._written : last], revolutions)
         self._written = last
@@ -191,30 +190,25 @@ class Recording(RunPart):
         )
 
     def reached(self) -> State | None:
-        """The state reached."""
-        return self._final(self._end(self.sampler))
+        """The state reached, from which another run can go on."""
+        return self._reached()()
 
-    def _end(self, sampler: Sampler) -> Samples:
-        """The state reached, as an output; none before the first step."""
-        if (last := self._last) is None:
-            return sampler.capacity(np.zeros(0))
-        found = sampler.state_at(float(last.t[0]), last.q[0], last.v[0], last.memory[0])
-        found.revolutions[0] = self.system.counted_coordinates.revolutions(self.winding.values, found.q[0])
-        return found
+    def _reached(self) -> Callable[[], State | None]:
+        """What computes that state, without a reference to this record; at once if others use the sampler later."""
+        sampler, b, last, turns = self.sampler, self.stepper.b.copy(), self._last, self.winding.values.copy()
 
-    def _final(self, end: Samples) -> State | None:
-        """A state from which another run can go on."""
-        if not len(end.t):
-            return None
-        b, (t, q, v, a, lam) = self.stepper.b.copy(), (x[0] for x in end[:5])
-        b[self.system.memory_places] = end.memory[0]
-        self.system.remember(q, b, float(t))
-        return State(float(t), q, v, a, lam, b[self.system.memory_places], end.revolutions[0])
+        def state() -> State | None:
+            return _final(sampler.system, b, _end(sampler, last, turns))
 
-    def _is_output(self, end: Samples) -> bool:
+        if not self.plan.dense:
+            return state
+        found = state()
+        return lambda: found
+
+    def _is_output(self) -> bool:
         """Whether there is no state behind the last output."""
         written = self.plan.times[: self._written]
-        return not len(end.t) or bool(np.any(written >= end.t[0]))
+        return self._last is None or bool(np.any(written >= self._last.t[0]))
 
     def _solution(self) -> Solution | NoSolution:
         """The whole motion, where it was stored."""
@@ -283,10 +277,11 @@ class Recording(RunPart):
         if force or message is not None or now - self._marked > self._pause:
             state = arrays_of(self.run_state._asdict()) | self.run_state.events.stored_records()
             state |= {"told": np.array(json.dumps(message or self._message_of_state()))}
-            end = self._end(self._sampler_of_marks if message is None else self.sampler)
-            if (final := self._final(end)) is not None:
+            sampler = self._sampler_of_marks if message is None else self.sampler
+            end = _end(sampler, self._last, self.winding.values)
+            if (final := _final(sampler.system, self.stepper.b, end)) is not None:
                 state |= final.to_store()
-            if message is None and not self._is_output(end):
+            if message is None and not self._is_output():
                 state["final_violation"] = end.violation[0]
                 state["final_energy"] = self.sampler.energies(end)[0, :2]
             (store.mark if message is None else store.finish)(state)
@@ -304,25 +299,24 @@ class Recording(RunPart):
 
     def result(self, status: str, message: str, records: Sequence[EventRecord]) -> Trajectory:
         """The result of the run, with its events."""
-        end = self._end(self.sampler)
-        if not self._is_output(end) and status not in ("finished", *(UNFINISHED if self.plan.store else ())):
+        if not self._is_output() and status not in ("finished", *(UNFINISHED if self.plan.store else ())):
             assert self._last is not None
-            _, q, v, _, _, memory = (x[0] for x in self._last)
-            node = self.sampler.node(float(end.t[0]), q, v, memory)
-            self.outputs.take(node, end.t, self.winding.take(*node[:3]))
+            t, q, v, _, _, memory = (x[0] for x in self._last)
+            node = self.sampler.node(float(t), q, v, memory)
+            self.outputs.take(node, node.t, self.winding.take(*node[:3]))
             if self._at_once:
                 self.outputs.compute()
         if status in SHORT and self._recent is not None:
             advice = f" {self.plan.budget.advice()}" if status == "too many steps" else ""
             message = f"{message.removesuffix('.')}.{advice}{changing_fastest(self.system, self._recent)}"
-        self.outputs.end(status, message)
+        self.outputs.end(status, message, self._reached())
         if self.plan.store:
             message, warnings = self.outputs.remarks()
             announce(warnings)
             return self._saved(self.plan.store, status, message)
         return self.outputs.trajectory(
             **self._counts, history=self.stepper.tally.steps(), events=tuple(records), sol=self._solution(),
-            restitutions=restitutions_of(self.plan.events), final=self._final(end), steps=self.steps(),
+            restitutions=restitutions_of(self.plan.events), steps=self.steps(),
         )  # fmt: skip
 
     def _saved(self, store: Store, status: str, message: str) -> Trajectory:
@@ -352,6 +346,25 @@ class Recording(RunPart):
         return replace(found, success=False, status=NOT_SAVED, message=message)
 
 
-def sampler_of(system: System, stepper: Stepper, host: PlacedMatrix | None = None) -> Sampler:
-    """A sampler of the states between a method's steps; `host` instead of the method's matrix."""
-    return Sampler(system, stepper.independence, stepper.b, host or stepper.host, stepper.apart)
+def _end(sampler: Sampler, last: Nodes | None, turns: Array) -> Samples:
+    """The state reached, as an output; none before the first step."""
+    if last is None:
+        return sampler.capacity(np.zeros(0))
+    found = sampler.state_at(float(last.t[0]), last.q[0], last.v[0], last.memory[0])
+    found.revolutions[0] = sampler.system.counted_coordinates.revolutions(turns, found.q[0])
+    return found
+
+
+def _final(system: System, b: Array, end: Samples) -> State | None:
+    """A state from which another run can go on."""
+    if not len(end.t):
+        return None
+    b, (t, q, v, a, lam) = b.copy(), (x[0] for x in end[:5])
+    b[system.memory_places] = end.memory[0]
+    system.remember(q, b, float(t))
+    return State(float(t), q, v, a, lam, b[system.memory_places], end.revolutions[0])
+
+
+def sampler_of(system: System, stepper: Stepper) -> Sampler:
+    """A sampler of the states between a method's steps."""
+    return Sampler(system, stepper.independence, stepper.b, stepper.host, stepper.apart)

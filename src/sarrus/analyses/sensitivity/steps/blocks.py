@@ -55,7 +55,7 @@ def product_of(system: System, structure: Structure) -> Product:
     tables = tables_of(system, structure)
     numbers = Numbers(system, tables.names, tables.like)
     layout = pattern_of(system, max(tables.moved, tables.n), numbers.like, tables.product)
-    parts = np.column_stack([spans(numbers, tables.product), layout.first]).astype(np.int64)
+    parts = np.column_stack([spans(system, numbers.names, numbers.like, tables.product), layout.first])
     indptr = layout.indptr[: tables.moved + 1]
     rows = rows_of(indptr, layout.indices, np.arange(len(layout.indices)), tables.n)
     place, starts, indices = unsigned((layout.place, indptr, layout.indices))

@@ -15,7 +15,7 @@ import pytest
 
 import sarrus as sr
 from sarrus.analyses.equations.block_matrix import PlacedMatrix
-from sarrus.analyses.sensitivity.accuracy import defect
+from sarrus.analyses.sensitivity import error_estimates
 from sarrus.analyses.sensitivity.steps import record
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
@@ -110,7 +110,7 @@ def test_ends_of_steps_are_points_of_the_rule(
     """Where forces do not jump there: the estimates of Gauss's rule. At ends with jumps, they were 262 times these."""
     run, names = stored(name)
     found = run.error(names)
-    monkeypatch.setattr(defect, "_jumps", lambda *_: True)
+    monkeypatch.setattr(error_estimates, "_jumps", lambda *_: True)
     for one, inside in zip(found, run.error(names), strict=True):
         assert one.error == pytest.approx(inside.error, rel=0.05)
         assert (one.error == inside.error) is not smooth

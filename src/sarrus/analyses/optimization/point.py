@@ -20,9 +20,9 @@ from ..dynamics.events.events import with_restitutions
 from ..dynamics.run_options import events_of
 from ..dynamics.stepping.stepper import RunFailure
 from ..position.assembly_derivatives import NoDerivative
-from ..sensitivity.accuracy.estimate import effects_of, estimated
 from ..sensitivity.chain.chain import FIELDS, Nodes, by_joints
 from ..sensitivity.checkpoints import repeated_gradient
+from ..sensitivity.error_estimates import effects_of, estimated
 from ..sensitivity.gradients import differentiated, own_parts
 from ..sensitivity.hessian import Curvature
 from ..sensitivity.long_run import recipe_with_steps

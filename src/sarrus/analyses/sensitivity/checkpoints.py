@@ -16,8 +16,8 @@ from ...outputs.recording import Angles
 from ...results import Gradient
 from ..dynamics.recipe import Recipe
 from ..equilibria.settled_derivatives import derivatives_of
-from .accuracy.estimate import effects_of, estimates
 from .chain.chain import FIELDS, Nodes
+from .error_estimates import effects_of, estimates
 from .gradients import by_parameters, gradient_of
 from .long_run import Interval, LongRun
 from .parameters.contradictions import undefined

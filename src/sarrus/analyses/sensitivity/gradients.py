@@ -28,9 +28,9 @@ from ..arguments import kind
 from ..dynamics.error_goal import MISSED
 from ..dynamics.stepping.stepper import RunFailure
 from ..progress import Progress, TimeLimit, monitor
-from .accuracy.estimate import effects_of, estimated
 from .chain.chain import Gradients, Nodes, by_joints
 from .combined import Composite, Part
+from .error_estimates import effects_of, estimated
 from .parameters.contradictions import undefined
 from .parameters.parameters import Parameters
 from .responses.evaluation import DirectTerms, Evaluation

@@ -28,7 +28,7 @@ from ..step_loop import loop
 from ..step_loop.crossing import Crossing, Switching
 from ..step_loop.equations import evaluate
 from ..step_loop.newton import NEWTON_SHARE
-from ..step_loop.records import Control, Matrix, Memory, MotionSolver, Record, State
+from ..step_loop.records import Control, Matrix, Memory, MotionSolver, Record, Run, State
 from ..step_loop.step_store import StepStore
 from ..stepping.entries import entry_of
 from ..stepping.failures import failure_of, has_laws, singular
@@ -297,15 +297,8 @@ class DescribedStepper(FactoredPart):
         first = [
             np.array(x, dtype=float)[None] for x in (self.t, state.q0, state.v0, state.a0, state.lam0, memory)
         ]
-        if self._arrays is None:
-            self._renew_pivots()
-        assert self._arrays is not None
         limit = min(limit, self._chunk, limit if self.independence.rows is None else DEPENDENT_CHUNK)
-        status, taken = self._advance(
-            self._program, self._entries, self._at_nodes, self._remembered, self.b, self.system.memory_places,
-            float(stop), limit, float(self.settings.max_step), state, self._memory, self._arrays, control,
-            self.store.record(), self._tolerance, self.switching, self._crossing, self.apart,
-        )  # fmt: skip
+        status, taken = self._advance(self.run(), float(stop), limit)
         self.t = float(control.t)
         self._count(before)
         self.tally.history.append(self.store.history(taken))
@@ -314,6 +307,17 @@ class DescribedStepper(FactoredPart):
         return Nodes._make(
             np.concatenate(x) for x in zip(first, self.store.collect(taken, memory), strict=True)
         )
+
+    def run(self) -> Run:
+        """All that the loop works on, with pivots."""
+        if self._arrays is None:
+            self._renew_pivots()
+        assert self._arrays is not None
+        return Run(
+            self._program, self._entries, self._at_nodes, self._remembered, self.b, self.system.memory_places,
+            float(self.settings.max_step), self._state, self._memory, self._arrays, self._control, self.store.record(),
+            self._tolerance, self.switching, self._crossing, self.apart,
+        )  # fmt: skip
 
     def _count(self, before: Control) -> None:
         """Add the counts of a call of the loop."""

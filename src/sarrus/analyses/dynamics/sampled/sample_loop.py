@@ -7,12 +7,9 @@ from typing import NamedTuple
 from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
-from ..methods.program import Program
-from ..step_loop.crossing import Crossing, Switching
 from ..step_loop.error import accelerations
 from ..step_loop.loop import REPIVOT, RUNNING, advance
-from ..step_loop.records import Control, Entries, Matrix, Memory, MotionSolver, Record, State
-from ..stepping.motion_scale import Tolerance
+from ..step_loop.records import MotionSolver, Run, State
 
 
 class Outputs(NamedTuple):
@@ -51,37 +48,23 @@ class Inputs(NamedTuple):
 
 
 class Sampling(NamedTuple):
-    """All that a sample needs, see `step_loop.loop.advance`."""
+    """All that a sample needs."""
 
-    program: Program
-    entries: Entries
-    motion: MotionSolver
-    remembered: KernelTable
-    b: Array
-    places: Array
-    h_max: float
-    state: State
-    memory: Memory
-    matrix: Matrix
-    control: Control
-    record: Record
-    tol: Tolerance
-    switching: Switching
-    crossing: Crossing
-    apart: bool
+    run: Run
     inputs: Inputs
     outputs: Outputs
 
 
 @compiled
-def take_sample(run: Sampling, until: float) -> tuple[int, int]:
+def take_sample(sampling: Sampling, until: float) -> tuple[int, int]:
     """Set the inputs, take steps until a time, and compute the outputs.
 
     Returns
     -------
     a status, see `advance`, and the number of steps; outputs are those at the time reached
     """
-    inputs, outputs, state, control = run.inputs, run.outputs, run.state, run.control
+    run, inputs, outputs = sampling
+    state, control = run.state, run.control
     set_inputs(inputs, run.b, outputs.b)
     if inputs.stale[0] != 0.0:
         if not new_accelerations(run.motion, run.b, control.t, state):
@@ -89,10 +72,7 @@ def take_sample(run: Sampling, until: float) -> tuple[int, int]:
         inputs.stale[0], control.continued = 0.0, False
     status, taken = RUNNING, 0
     while status == RUNNING and control.t < until:
-        status, one = advance(
-            run.program, run.entries, run.motion, run.remembered, run.b, run.places, until, 1, run.h_max, state,
-            run.memory, run.matrix, control, run.record, run.tol, run.switching, run.crossing, run.apart,
-        )  # fmt: skip
+        status, one = advance(run, until, 1)
         taken += one
         if len(outputs.places) > 0:
             call_kernels(outputs.remembered, outputs.b, control.t, state.q0, outputs.memory)

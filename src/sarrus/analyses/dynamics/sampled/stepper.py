@@ -124,14 +124,7 @@ class Stepper:
     def _pack(self) -> None:
         """Fix the arguments of the compiled loop."""
         own = self._method
-        if own._arrays is None:
-            own._renew_pivots()
-        record = Sampling(
-            own._program, own._entries, own._at_nodes, own._remembered, own.b, self.system.memory_places,
-            float(own.settings.max_step), own._state, own._memory, own._arrays, own._control, own.store.record(),
-            own._tolerance, own.switching, own._crossing, own.apart, self._inputs, self._named.loop,
-        )  # fmt: skip
-        self._call = Bound(take_sample, record)
+        self._call = Bound(take_sample, Sampling(own.run(), self._inputs, self._named.loop))
 
     @property
     def t(self) -> float:

@@ -13,7 +13,7 @@ from ..methods.tables import STIFFNESS
 from ..stepping.motion_scale import Tolerance
 from .coefficients import apply
 from .equations import TRUSTED, evaluate, factored, size, size_of_change
-from .records import Control, Entries, Matrix, Memory, MotionSolver, State
+from .records import Control, Entries, Matrix, Memory, MotionSolver, Run, State
 
 INFINITE = 1e300
 PRECISE = 1e-4  # pivot over column, above which a and λ need no refinement
@@ -39,22 +39,20 @@ def accelerations(motion: MotionSolver, b: Array, t: float, state: State) -> boo
 
 
 @compiled
-def local_error(
-    program: Program, entries: Entries, motion: MotionSolver, b: Array, t: float, h: float, state: State,
-    memory: Memory, matrix: Matrix, tol: Tolerance, again: bool, renewed: bool,
-) -> float:  # fmt: skip
+def local_error(run: Run, t: float, h: float, again: bool, renewed: bool) -> float:
     """Size of the error of a step, over the tolerances; less than 0 if pivots must be renewed.
 
     `renewed`: whether the matrix has been renewed within the step.
     """
+    program, state, tol = run.program, run.state, run.tol
     apply(program, UPDATE, state)
     if len(program.filtered) > 0:
-        error = filtered_error(program, entries, b, state, memory, matrix, tol, again)
+        error = filtered_error(program, run.entries, run.b, state, run.memory, run.matrix, tol, again)
         if renewed and error <= 1.0 and unfiltered_error(program, h, state, tol) > 1.0:
-            other = error_from_start(program, entries, b, t, h, state, memory, matrix, tol, again)
+            other = error_from_start(run, t, h, again)
             error = max(error, other) if other >= 0.0 else other
         return error
-    if not program.own_accelerations and not accelerations(motion, b, t, state):
+    if not program.own_accelerations and not accelerations(run.motion, run.b, t, state):
         return -1.0
     if program.estimated:
         apply(program, ERROR, state)
@@ -113,14 +111,12 @@ def unfiltered_error(program: Program, h: float, state: State, tol: Tolerance) -
 
 
 @compiled
-def error_from_start(
-    program: Program, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
-    tol: Tolerance, again: bool,
-) -> float:  # fmt: skip
+def error_from_start(run: Run, t: float, h: float, again: bool) -> float:
     """The filtered error with the stiffness at the begin of the step, as in Hairer and Wanner (IV.8.19).
 
     With that of a contact in which a flight ends, the filter removes the error of the whole step.
     """
+    program, entries, b, state, matrix = run.program, run.entries, run.b, run.state, run.matrix
     for n in range(len(program.operators)):
         row = program.operators[n]
         if row[0] == STIFFNESS:
@@ -132,7 +128,7 @@ def error_from_start(
             call_kernels(kernels, b, t - h, state.q0, state.v0, one, two)
     if not factored(program, matrix):
         return -1.0
-    error = filtered_error(program, entries, b, state, memory, matrix, tol, again)
+    error = filtered_error(program, entries, b, state, run.memory, matrix, run.tol, again)
     evaluate(program, entries, b, t, h, state.x, matrix.values, matrix.left_out)
     return error if factored(program, matrix) else -1.0
 

@@ -9,15 +9,13 @@ from ...equations.block_matrix import backsolve
 from ..dense_output.sample_loop import factor as factor_motion
 from ..dense_output.sample_loop import velocity_defect
 from ..methods.program import BASE, CONTINUED, GUESS, STAGES, Program
-from ..stepping.motion_scale import Tolerance, follow_motion
+from ..stepping.motion_scale import follow_motion
 from .coefficients import apply, coefficients
 from .crossing import (
     LANDED,
     NONE,
     SEARCHING,
-    Crossing,
     Step,
-    Switching,
     farther_back,
     first_after,
     shorter,
@@ -26,7 +24,7 @@ from .crossing import (
 from .equations import TRUSTED
 from .error import factor_to, finish, local_error, next_length, smooth
 from .newton import newton, polish
-from .records import Control, Entries, Matrix, Memory, MotionSolver, Record, State
+from .records import Control, MotionSolver, Run, State
 
 RUNNING, FINISHED, REPIVOT, TOO_SMALL, SWITCHED = 0, 1, 2, 3, 4
 NEWTON, ERROR = 1, 2  # why a step was last rejected
@@ -49,11 +47,9 @@ def guess(program: Program, h: float, ratio: float, continued: bool, state: Stat
 
 
 @compiled
-def prepare(
-    program: Program, motion: MotionSolver, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
-    control: Control,
-) -> None:  # fmt: skip
+def prepare(run: Run, t: float, h: float) -> None:
     """Coefficients and the state before a step of length h, and the first guess of its unknowns."""
+    program, state, matrix, control = run.program, run.state, run.matrix, run.control
     ratio = h / control.last_h if control.last_h > 0.0 else 1.0
     if h != control.x_h or ratio != control.ratio:
         coefficients(program, h, ratio, state.r)
@@ -68,8 +64,9 @@ def prepare(
             for part in range(2):
                 pair[4 * k + 1 + part] = state.r[program.pair_weights[k, part]]
         if program.projects:
+            correction = run.memory.correction
             remove_defect(
-                motion, b, t, 1.0 - ratio * ratio, state, memory.correction, matrix.left_out, control
+                run.motion, run.b, t, 1.0 - ratio * ratio, state, correction, matrix.left_out, control
             )
     apply(program, CONTINUED if program.continues and control.continued else GUESS, state)
     apply(program, BASE, state)
@@ -147,17 +144,9 @@ def accept(program: Program, h: float, state: State) -> None:
 
 
 @compiled
-def keep(
-    program: Program,
-    record: Record,
-    row: int,
-    t: float,
-    h: float,
-    state: State,
-    memory: Memory,
-    control: Control,
-) -> None:
+def keep(run: Run, row: int, t: float, h: float) -> None:
     """Write an accepted step into the record."""
+    record, state, control, correction = run.record, run.state, run.control, run.memory.correction
     record.t[row], record.h[row], record.removed[row] = t, h, 1.0 - control.defect
     record.rejected[row] = control.rejected_since
     for k in range(len(state.q0)):
@@ -166,12 +155,12 @@ def keep(
     for k in range(len(state.lam0)):
         record.lam[row, k] = state.lam1[k]
     for k in range(record.stages.shape[1]):
-        record.stages[row, k] = state.x[program.stages + k]
+        record.stages[row, k] = state.x[run.program.stages + k]
     n, factor = record.correction.shape[1], 1.0 if control.defect != 1.0 else 0.0
     for k in range(n):
-        record.correction[row, k] = factor * memory.correction[k]
+        record.correction[row, k] = factor * correction[k]
     for k in range(record.impulse.shape[1]):
-        record.impulse[row, k] = factor * memory.correction[n + k]
+        record.impulse[row, k] = factor * correction[n + k]
 
 
 @compiled
@@ -184,11 +173,7 @@ def remember(entry: KernelTable, b: Array, places: Array, t: float, q: Array, me
 
 
 @compiled
-def advance(
-    program: Program, entries: Entries, motion: MotionSolver, remembered: KernelTable, b: Array, places: Array,
-    until: float, limit: int, h_max: float, state: State, memory: Memory, matrix: Matrix, control: Control,
-    record: Record, tol: Tolerance, switching: Switching, crossing: Crossing, apart: bool,
-) -> tuple[int, int]:  # fmt: skip
+def advance(run: Run, until: float, limit: int) -> tuple[int, int]:
     """Take steps until a time, at most `limit` of them.
 
     It returns early where a singular configuration or a poor choice among redundant equations may be near: after a
@@ -198,11 +183,13 @@ def advance(
     -------
     a status, and how many steps were taken; the elements' numbers `b` remember the last of them, in `places`
     """
-    taken, free, leave, redundant = 0, len(record.given) == 0, False, bool(matrix.left_out.any())
+    program, b, state, control, record, tol = run.program, run.b, run.state, run.control, run.record, run.tol
+    switching, crossing = run.switching, run.crossing
+    taken, free, leave, redundant = 0, len(record.given) == 0, False, bool(run.matrix.left_out.any())
     toward, crossing.stage, crossing.nearer = 0.0, NONE, 0  # length of a step towards a switch
     while control.t < until and taken < limit and not leave and (free or taken < len(record.given)):
         t0 = control.t
-        h = min(control.h, h_max) if free else record.given[taken]
+        h = min(control.h, run.h_max) if free else record.given[taken]
         ended = t0 + 1.0001 * h >= until and free
         if toward > 0.0:
             h, ended = min(toward, until - t0), toward >= until - t0
@@ -213,9 +200,9 @@ def advance(
         if free and (control.h <= SHORTEST * max(abs(t0), until - t0) or control.rejected_since > IN_A_ROW):
             return TOO_SMALL, taken
         follow_motion(tol, h, state.q0, state.v0, state.a0, control.last_h == 0.0)
-        prepare(program, motion, b, t0, h, state, memory, matrix, control)
+        prepare(run, t0, h)
         matrices = control.matrices
-        iterations, rate = newton(program, entries, b, t0 + h, h, state, memory, matrix, control, tol)
+        iterations, rate = newton(run, t0 + h, h)
         if iterations < 0:
             return REPIVOT, taken
         if iterations == 0:
@@ -233,10 +220,7 @@ def advance(
                 return TOO_SMALL, taken
             continue
         again = control.rejected_since > 0 or control.last_h == 0.0
-        renewed = control.matrices > matrices
-        error = local_error(
-            program, entries, motion, b, t0 + h, h, state, memory, matrix, tol, again, renewed
-        )
+        error = local_error(run, t0 + h, h, again, control.matrices > matrices)
         if error < 0.0:
             return REPIVOT, taken
         wanted = factor_to(program, error, iterations)
@@ -250,17 +234,17 @@ def advance(
                 toward, crossing.stage = 0.0, NONE
                 control.h = h * max(SHRINK, wanted)
             continue
-        if not free and not polish(program, entries, b, t0 + h, h, state, memory, matrix, control, tol):
+        if not free and not polish(run, t0 + h, h):
             return REPIVOT, taken
-        if not finish(program, motion, b, t0 + h, state, not free):
+        if not finish(program, run.motion, b, t0 + h, state, not free):
             return REPIVOT, taken
         end = until if ended or taken + 1 == len(record.given) else t0 + h
-        keep(program, record, taken, end, h, state, memory, control)
+        keep(run, taken, end, h)
         if len(program.filtered) > 0 and not program.own_accelerations:
             smooth(program, h, state, tol, record.node_a[taken])
         if len(switching.columns):
             ends = state.q0, state.v_given, state.a0, state.q1, state.v1, state.a1
-            toward = shorter(switching, Step(b, t0, h, *ends, apart), crossing)
+            toward = shorter(switching, Step(b, t0, h, *ends, run.apart), crossing)
             if toward > 0.0:
                 control.rejected += 1
                 control.rejected_since += 1
@@ -273,7 +257,7 @@ def advance(
         else:
             control.h = not_too_soon(h, next_length(program, h, wanted, error, control), control)
         control.last_h, control.last_error, control.defect = h, error, 1.0
-        remember(remembered, b, places, control.t, state.q0, record.memory[taken])
+        remember(run.remembered, b, run.places, control.t, state.q0, record.memory[taken])
         control.old_factors = True
         control.steps += 1
         control.rejected_since = 0

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ...._jit.linking.link import compiled
-from ....algebra import Array
-from ..methods.program import STAGES, Program
+from ..methods.program import STAGES
 from ..stepping.motion_scale import LENGTH, Tolerance
 from .coefficients import apply
 from .equations import correct, renew, residual
-from .records import Control, Entries, Matrix, Memory, State
+from .records import Run, State
 
 LIMIT = 12  # iterations
 # Share of the tolerance that may be left in an iterate, of q and of v: what is left in v adds up
@@ -37,11 +36,10 @@ def ignored_round_off(h: float, state: State, tol: Tolerance) -> float:
 
 
 @compiled
-def newton(
-    program: Program, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory,
-    matrix: Matrix, control: Control, tol: Tolerance,
-) -> tuple[int, float]:  # fmt: skip
+def newton(run: Run, t: float, h: float) -> tuple[int, float]:
     """Solve one step. Returns (iterations, contraction): 0 iterations if it fails, -1 for pivots to renew."""
+    program, entries, b, state, memory = run.program, run.entries, run.b, run.state, run.memory
+    matrix, control, tol = run.matrix, run.control, run.tol
     rate, before, renewals = 0.0, 0.0, 0
     ignored = ignored_round_off(h, state, tol)
     stalled = tol.stalled_repeated if matrix.left_out.any() else tol.stalled
@@ -71,11 +69,10 @@ def newton(
 
 
 @compiled
-def polish(
-    program: Program, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory,
-    matrix: Matrix, control: Control, tol: Tolerance,
-) -> bool:  # fmt: skip
+def polish(run: Run, t: float, h: float) -> bool:
     """Newton's method down to round-off, for steps of prescribed lengths; false if pivots must be renewed."""
+    program, entries, b, state, memory = run.program, run.entries, run.b, run.state, run.memory
+    matrix, control, tol = run.matrix, run.control, run.tol
     ignored, before = ignored_round_off(h, state, tol), np.inf
     if not renew(program, entries, b, t, h, state, matrix, control):
         return False

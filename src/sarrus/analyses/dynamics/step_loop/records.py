@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from ...._jit.kernels.pointer import KernelTable
 from ...._jit.kernels.scalars import Scalars
 from ....algebra import Array
 from ...equations.block_matrix import Assembler
 from ...equations.paired_matrix import Pairs
 from ..dense_output import sample_loop
+from ..methods.program import Program
+from ..stepping.motion_scale import Tolerance
+from .crossing import Crossing, Switching
 
 
 class Entries(NamedTuple):
@@ -153,3 +157,31 @@ class Control(Scalars):
     last_error: float
     projected: bool
     continued: bool
+
+
+class Run(NamedTuple):
+    """All that the loop of steps works on.
+
+    Attributes
+    ----------
+    remembered, places : kernels of what elements remember, and where that is in their numbers b
+    h_max : the longest step [s]
+    apart : whether q and v are interpolated apart between its steps, see `nodes.between`
+    """
+
+    program: Program
+    entries: Entries
+    motion: MotionSolver
+    remembered: KernelTable
+    b: Array
+    places: Array
+    h_max: float
+    state: State
+    memory: Memory
+    matrix: Matrix
+    control: Control
+    record: Record
+    tol: Tolerance
+    switching: Switching
+    crossing: Crossing
+    apart: bool

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from ..._jit.kernels.pointer import KernelTable, call_kernels
 from ..._jit.linking.link import compiled
 from ...algebra import Array
-from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, factor, solve_motion
+from ..dynamics.dense_output.sample_loop import Entries, Matrix, MotionSolver, Work, factor, solve_motion
 from ..equations.block_matrix import Assembler, backsolve_columns
 
 NOTHING = 1e-15  # of the largest number above a pivot, below which it is what round-off leaves of zero
@@ -60,7 +60,7 @@ def solve_regular(
         a[k] = 0.0
     for k in range(len(lam)):
         lam[k] = 0.0
-    solve_motion(entries, b, t, q, v, a, lam, work, matrix, rounds)
+    solve_motion(MotionSolver(entries, matrix, work), b, t, q, v, a, lam, rounds)
     return all_finite(a) and all_finite(lam)
 
 

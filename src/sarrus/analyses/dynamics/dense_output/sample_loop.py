@@ -82,6 +82,14 @@ class Matrix(NamedTuple):
     placed: Assembler
 
 
+class MotionSolver(NamedTuple):
+    """The equations of motion at a state: their kernels, their matrix, and work arrays."""
+
+    entries: Entries
+    matrix: Matrix
+    work: Work
+
+
 class Samples(NamedTuple):
     """Requested times, and buffers for the states there.
 
@@ -222,17 +230,10 @@ def correct(
 
 @compiled
 def consistent(
-    entries: Entries,
-    b: Array,
-    t: float,
-    q: Array,
-    v: Array,
-    lam: Array,
-    work: Work,
-    matrix: Matrix,
-    violation: Array,
+    motion: MotionSolver, b: Array, t: float, q: Array, v: Array, lam: Array, violation: Array
 ) -> bool:
     """Whether `project` would not change the state; `violation` receives the largest defects."""
+    entries, matrix, work = motion
     position_defect(entries, b, t, q, lam, work)
     if not largest_defect(len(q), work, matrix, violation, 0) <= PROJECTED:
         return False
@@ -250,9 +251,8 @@ def sensible(v: Array, defect: float, work: Work, length: float) -> bool:
 
 @compiled
 def project(
-    entries: Entries, b: Array, t: float, q: Array, v: Array, lam: Array, work: Work, matrix: Matrix,
-    violation: Array, measured: bool,
-) -> bool:  # fmt: skip
+    motion: MotionSolver, b: Array, t: float, q: Array, v: Array, lam: Array, violation: Array, measured: bool
+) -> bool:
     """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `violation` receives the largest remaining entries, if `measured`.
 
     Defects of v are relative to its largest value so far: at rest, v is round-off, of which the first change leaves
@@ -262,6 +262,7 @@ def project(
     Returns false where constraints are so nearly redundant that the state would become less
     accurate than before.
     """
+    entries, matrix, work = motion
     before = 1e30
     for _ in range(PROJECTIONS):
         position_defect(entries, b, t, q, lam, work)
@@ -293,10 +294,10 @@ def project(
 
 @compiled
 def solve_motion(
-    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix,
-    rounds: int,
-) -> None:  # fmt: skip
+    motion: MotionSolver, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, rounds: int
+) -> None:
     """a and λ of the equations of motion by the guess that is there, refined in all rounds but the first."""
+    entries, matrix, work = motion
     n, placed = len(q), matrix.placed
     call_kernels(entries.force, b, t, q, v, work.Q)
     call_kernels(entries.gamma, b, t, q, v, work.gamma)
@@ -419,9 +420,8 @@ def shortest(
 
 @compiled(entry=True)
 def sample(
-    entries: Entries, b: Array, places: Array, nodes: Nodes, apart: bool, out: Samples, first: int, row: int,
-    work: Work, matrix: Matrix, others: Omissions, known: Samples, points: Samples, point_of: Array, monitored: bool,
-    rounds: int,
+    motion: MotionSolver, b: Array, places: Array, nodes: Nodes, apart: bool, out: Samples, first: int, row: int,
+    others: Omissions, known: Samples, points: Samples, point_of: Array, monitored: bool, rounds: int,
 ) -> tuple[int, int]:  # fmt: skip
     """Fill `out` from entry `first` on at its times, all within the nodes; `row` is the node to begin with.
 
@@ -434,7 +434,7 @@ def sample(
     -------
     the entries filled, and the node arrived at; it stops before the end where the pivots do not fit
     """
-    n = first
+    (entries, matrix, work), n = motion, first
     while n < len(out.t):
         while row + 2 < len(nodes.t) and out.t[n] > nodes.t[row + 1]:
             row += 1
@@ -461,16 +461,16 @@ def sample(
             ready = True
         elif point_of[row] >= 0:
             interpolate_points(points, point_of[row], out, n)
-            ready = consistent(entries, b, t, q, v, lam, work, matrix, out.violation[n])
+            ready = consistent(motion, b, t, q, v, lam, out.violation[n])
             if not ready:
                 interpolate(nodes, row, apart, out, n, place)
         if not ready:
             if rounds == 0 and not factor(entries, b, t, q, matrix) > TRUSTED:
                 break
-            if not project(entries, b, t, q, v, lam, work, matrix, out.violation[n], monitored):
+            if not project(motion, b, t, q, v, lam, out.violation[n], monitored):
                 break
         if rounds > 0:
-            solve_motion(entries, b, t, q, v, a, lam, work, matrix, rounds)
+            solve_motion(motion, b, t, q, v, a, lam, rounds)
             shortest(entries, b, t, q, lam, work, matrix, others)
             if monitored:
                 out.growth[n] = growth_of(work, matrix)

@@ -138,7 +138,7 @@ class Sampler(FactoredPart):
                 done += 1
             else:
                 done, row = self._sample(
-                    self._entries,
+                    loop.MotionSolver(self._entries, self._arrays, self._work),
                     self.b,
                     self.system.memory_places,
                     nodes,
@@ -146,8 +146,6 @@ class Sampler(FactoredPart):
                     loop.Samples._make(buffer[:last] for buffer in out),
                     done,
                     row,
-                    self._work,
-                    self._arrays,
                     left_out(self.system, self.independence.rows if shortest else None),
                     known or self.capacity(out.t[:0]),
                     points,

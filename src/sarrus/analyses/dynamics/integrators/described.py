@@ -19,6 +19,7 @@ from ...equations.block_matrix import PRECISE, Numbers, PlacedMatrix, motion_mat
 from ...equations.length import extent, kinematic_weights
 from ...equations.paired_matrix import PairedMatrix, none_paired
 from ...equations.projection import round_off_of
+from ..dense_output.sample_loop import MotionSolver
 from ..dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..events.switching_functions import no_switching
 from ..methods.collocation import RADAU
@@ -28,7 +29,7 @@ from ..step_loop import loop
 from ..step_loop.crossing import Crossing, Switching
 from ..step_loop.equations import evaluate
 from ..step_loop.newton import NEWTON_SHARE
-from ..step_loop.records import Control, Matrix, Memory, MotionSolver, Record, Run, State
+from ..step_loop.records import Control, Matrix, Memory, Record, Run, State
 from ..step_loop.step_store import StepStore
 from ..stepping.entries import entry_of
 from ..stepping.failures import failure_of, has_laws, singular

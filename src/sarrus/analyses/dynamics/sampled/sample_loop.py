@@ -7,9 +7,10 @@ from typing import NamedTuple
 from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
+from ..dense_output.sample_loop import MotionSolver
 from ..step_loop.error import accelerations
 from ..step_loop.loop import REPIVOT, RUNNING, advance
-from ..step_loop.records import MotionSolver, Run, State
+from ..step_loop.records import Run, State
 
 
 class Outputs(NamedTuple):

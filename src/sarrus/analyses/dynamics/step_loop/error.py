@@ -6,14 +6,14 @@ from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.paired_matrix import solve_real
-from ..dense_output.sample_loop import REFINEMENTS, solve_motion
+from ..dense_output.sample_loop import REFINEMENTS, MotionSolver, solve_motion
 from ..dense_output.sample_loop import factor as factor_motion
 from ..methods.program import ERROR, MOMENTUM, OF_EQUATIONS, UPDATE, Program
 from ..methods.tables import STIFFNESS
 from ..stepping.motion_scale import Tolerance
 from .coefficients import apply
 from .equations import TRUSTED, evaluate, factored, size, size_of_change
-from .records import Control, Entries, Matrix, Memory, MotionSolver, Run, State
+from .records import Control, Entries, Matrix, Memory, Run, State
 
 INFINITE = 1e300
 PRECISE = 1e-4  # pivot over column, above which a and λ need no refinement
@@ -31,10 +31,8 @@ def accelerations(motion: MotionSolver, b: Array, t: float, state: State) -> boo
     trust = factor_motion(motion.entries, b, t, state.q1, motion.matrix)
     if not trust > TRUSTED:
         return False
-    solve_motion(
-        motion.entries, b, t, state.q1, state.v1, state.a1, state.lam1, motion.work, motion.matrix,
-        1 if trust > PRECISE else REFINEMENTS,
-    )  # fmt: skip
+    rounds = 1 if trust > PRECISE else REFINEMENTS
+    solve_motion(motion, b, t, state.q1, state.v1, state.a1, state.lam1, rounds)
     return True
 
 

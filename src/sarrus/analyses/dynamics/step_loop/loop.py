@@ -6,8 +6,8 @@ from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import backsolve
+from ..dense_output.sample_loop import MotionSolver, velocity_defect
 from ..dense_output.sample_loop import factor as factor_motion
-from ..dense_output.sample_loop import velocity_defect
 from ..methods.program import BASE, CONTINUED, GUESS, STAGES, Program
 from ..stepping.motion_scale import follow_motion
 from .coefficients import apply, coefficients
@@ -24,7 +24,7 @@ from .crossing import (
 from .equations import TRUSTED
 from .error import factor_to, finish, local_error, next_length, smooth
 from .newton import newton, polish
-from .records import Control, MotionSolver, Run, State
+from .records import Control, Run, State
 
 RUNNING, FINISHED, REPIVOT, TOO_SMALL, SWITCHED = 0, 1, 2, 3, 4
 NEWTON, ERROR = 1, 2  # why a step was last rejected

@@ -9,7 +9,7 @@ from ...._jit.kernels.scalars import Scalars
 from ....algebra import Array
 from ...equations.block_matrix import Assembler
 from ...equations.paired_matrix import Pairs
-from ..dense_output import sample_loop
+from ..dense_output.sample_loop import MotionSolver
 from ..methods.program import Program
 from ..stepping.motion_scale import Tolerance
 from .crossing import Crossing, Switching
@@ -25,14 +25,6 @@ class Entries(NamedTuple):
     starts: Array
     tables: Array
     bounds: Array
-
-
-class MotionSolver(NamedTuple):
-    """The equations of motion at a state: their kernels, their matrix, and work arrays."""
-
-    entries: sample_loop.Entries
-    matrix: sample_loop.Matrix
-    work: sample_loop.Work
 
 
 class State(NamedTuple):

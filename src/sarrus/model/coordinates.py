@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..algebra import Array
 from .show import quote, suggest
 
 POSITION, ROTATION = 3, 4  # widths of r [m] and of the Euler parameters p
@@ -23,6 +24,16 @@ def number_of(body: str, bodies: Sequence[str], name: str) -> int:
     return list(bodies).index(body)
 
 
+def slice_of(number: int) -> slice:
+    """Place of the seven coordinates of a body in q, by number from 0 without the ground."""
+    return slice(WIDTH * number, WIDTH * number + WIDTH)
+
+
+def by_body(q: Array) -> Array:
+    """The coordinates [r; p] of each body (..., bodies, 7), from those of all (..., nq)."""
+    return q.reshape(*q.shape[:-1], -1, WIDTH)
+
+
 def coordinates_of(body: str, bodies: Sequence[str], name: str) -> slice:
     """Place of a body's seven coordinates in q.
 
@@ -31,5 +42,4 @@ def coordinates_of(body: str, bodies: Sequence[str], name: str) -> slice:
     KeyError
         If there is no such body.
     """
-    at = WIDTH * number_of(body, bodies, name)
-    return slice(at, at + WIDTH)
+    return slice_of(number_of(body, bodies, name))

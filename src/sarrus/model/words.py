@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ..console import printable
-from .coordinates import WIDTH
+from .coordinates import slice_of
 from .drivers import Driver
 from .errors import listed
 from .expansion.blueprint import Blueprint, blueprint
@@ -65,7 +65,7 @@ def global_point(plan: Blueprint, body: int, local: Iterable[float]) -> Array:
     """Return the global place in the initial pose of a point of body number ``body``. (3,) [m]"""
     if body == 0:
         return np.array([*local], dtype=float)
-    q = plan.q[WIDTH * (body - 1) : WIDTH * body]
+    q = plan.q[slice_of(body - 1)]
     return np.asarray(q[:3] + matrix(q[3:]) @ np.array([*local], dtype=float))
 
 

@@ -12,7 +12,6 @@ import numpy as np
 from ..algebra import Array
 from ..elements import ElementError, Force, Primitive
 from ..elements.output import Declared, declared
-from ..model.coordinates import WIDTH
 from ..model.expansion.blueprint import Placement
 from ..system import System
 from ..system.structure.population import Population
@@ -82,7 +81,9 @@ def _sum(own: Sequence[tuple[Population, int, Declared]], n: int, o: Any) -> Any
 
 def _placed(p: Population, k: int, one: Declared, n: int, system: System) -> Placement:
     """An element that measures an output of another one."""
-    bodies = tuple(0 if slot < 0 else int(p.bodies[k, slot]) // WIDTH + 1 for slot in p.variant.slots)
+    bodies = tuple(
+        0 if slot < 0 else system.layout.owner_of[p.bodies[k, slot]] + 1 for slot in p.variant.slots
+    )
     return Placement(_measuring(cast(Any, p.kind), one.method, n), bodies, p.values[k], p.owners[k], one.word)
 
 

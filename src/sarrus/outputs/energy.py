@@ -25,12 +25,12 @@ from ..elements import Force
 from ..elements.evaluation import element_from
 from ..elements.operators import OPERATORS
 from ..elements.recorder import Variant
-from ..model.coordinates import WIDTH
+from ..model.coordinates import WIDTH, by_body, slice_of
 from ..model.states.block import StateInertia
 from ..model.tape import Tracer, whole
 from ..system import System
 from ..system.cached import once
-from ..system.curves.lanes import Recipe, aligned, block, entry, local, used
+from ..system.curves.lanes import Recipe, aligned, block, entry, inputs, local, used
 from ..system.structure.population import Population
 from .recording import Recording
 
@@ -97,7 +97,7 @@ def plain(p: Population) -> bool:
 def recorded(variant: Variant, energy: Energy) -> RecordedEnergy:
     """½ vᵀ M v, or the sum of what `potential` returns."""
     graph, kind = Graph(), variant.kind
-    q, v = (graph.inputs(name, variant.moving, WIDTH) for name in OPERANDS)
+    q, v = (inputs(graph, variant, name) for name in OPERANDS)
     numbers = graph.inputs("numbers", kind.size())
     element: Any = element_from(kind, numbers, t=graph.input("t"))
     x, rate = local(variant, q, "q"), local(variant, v, "v")
@@ -202,11 +202,11 @@ def _slopes(variant: Variant, energy: Energy) -> emit.Recording:
 
 def _gradients_along(variant: Variant, energy: Energy) -> emit.Recording:
     one = recorded(variant, energy)
-    graph, inputs = one.graph, [*one.q.flat, *one.v.flat, *one.numbers]
-    dots = [graph.inputs(name, variant.moving, WIDTH) for name in DOTS[:2]]
+    graph, taken = one.graph, [*one.q.flat, *one.v.flat, *one.numbers]
+    dots = [inputs(graph, variant, name) for name in DOTS[:2]]
     moved = [*dots[0].flat, *dots[1].flat, *graph.inputs(NUMBERS_DOT, len(one.numbers))]
     slopes = graph.expressions(_gradient(one))
-    change = directional(graph, slopes, list(zip(inputs, moved, strict=True)))
+    change = directional(graph, slopes, list(zip(taken, moved, strict=True)))
     return _recording(variant, energy, graph, (*OPERANDS, *DOTS), [], change)
 
 
@@ -218,8 +218,8 @@ def _recording(
     variant: Variant, energy: Energy, graph: Graph, arrays: tuple[str, ...], first: list[list[Array]], by: list[Any]
 ) -> emit.Recording:  # fmt: skip
     """Return the recorded functions of some outputs by coordinates, rates and parameters."""
-    size, cut = variant.kind.size(), variant.moving * WIDTH
-    bodies = [list(np.array(part, dtype=object).reshape(-1, WIDTH)) for part in (by[:cut], by[cut : 2 * cut])]
+    size, cut = variant.kind.size(), slice_of(variant.moving).start
+    bodies = [list(by_body(np.array(part, dtype=object))) for part in (by[:cut], by[cut : 2 * cut])]
     found = emit.Recording(f"{variant.name}.{energy}", graph, variant.moving, size, arrays, ("t",))
     found.outputs += [emit.Output(blocks, True) for blocks in (*first, *bodies, block(by[2 * cut :]))]
     return found

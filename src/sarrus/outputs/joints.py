@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from itertools import product
 
-from ..model.coordinates import WIDTH
 from ..model.expansion.blueprint import Placement, blueprint
 from ..model.geometry.points import AXES
 from ..system import System
@@ -52,7 +51,7 @@ def _bodies(system: System, coupling: str) -> list[str]:
     if not system.marker(coupling).coupled:
         return []
     parts = [(p, k) for p in system.populations if p.kind.rows for k in members_of(p, coupling)]
-    found = {first // WIDTH for p, k in parts for first in bodies_of(p, k) if first >= 0}
+    found = {system.layout.owner_of[first] for p, k in parts for first in bodies_of(p, k) if first >= 0}
     return [system.bodies[n] for n in sorted(found)]
 
 

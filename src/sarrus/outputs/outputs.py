@@ -265,7 +265,7 @@ class Outputs(EnergyRecording):
         rows = range(int(p.rows[k]), int(p.rows[k]) + p.kind.rows)
         lam = np.array([self.input("lam", row) for row in rows], dtype=object)
         blocks = self._blocks(p, k, lam)
-        total = np.array([0.0] * WIDTH, dtype=object)
+        total = np.array([0.0 for _ in range(WIDTH)], dtype=object)
         for n, first in enumerate(bodies_of(p, k)):
             if first == body:
                 for at, block in ((0, blocks[2 * n]), (3, blocks[2 * n + 1])):

@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 from ..elements.forces.point_force import PointForce
-from ..model.coordinates import WIDTH
 from ..model.geometry.points import AXES
 from ..system import System
 from ..system.structure.population import Population
@@ -26,5 +25,5 @@ def positions(system: System, part: str | None) -> Iterator[Output]:
 
 
 def _position(p: Population, k: int, n: int, o: Any) -> Any:
-    body = o.system.bodies[bodies_of(p, k)[0] // WIDTH]
+    body = o.system.layout.owners[o.system.layout.owner_of[bodies_of(p, k)[0]]]
     return o.position(body, o.element(p, k, "b").s)[n]

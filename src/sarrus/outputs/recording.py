@@ -196,7 +196,7 @@ class Recording:
     def local(self, p: Population, k: int, kind: str, *, states: bool = True) -> Any:
         """Coordinates, or velocities, of an element's bodies; without `states`, blocks of states stand still."""
         end = self.system.nq if states else self.system.moving
-        still = STILL if kind == "q" else np.zeros(WIDTH)
+        still = STILL if kind == "q" else np.zeros_like(STILL)
         parts = [
             still if first < 0 or first >= end else [self.input(kind, n) for n in range(first, first + WIDTH)]
             for first in bodies_of(p, k)
@@ -206,7 +206,7 @@ class Recording:
     def vector(self, kind: str, body: str) -> Array:
         """Coordinates, or velocities, of a body (7,)."""
         if body == GROUND:
-            return STILL if kind == "q" else np.zeros(WIDTH)
+            return STILL if kind == "q" else np.zeros_like(STILL)
         at = self.system.coordinates_of(body).start
         return np.array([self.input(kind, n) for n in range(at, at + WIDTH)], dtype=object)
 

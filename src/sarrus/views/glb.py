@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
+from ..model.coordinates import slice_of
 from ..results.saving.exported_file import exporting
 from .browser import Scene
 from .looks import Part, Span, place_of
@@ -87,7 +88,7 @@ class _Writer:
                 if part.body == number:
                     self.nodes[node]["children"].append(self._node(part.name, mesh=self._mesh(part)))
             if number:
-                q = self.scene.frames.q[:, 7 * number - 7 : 7 * number]
+                q = self.scene.frames.q[:, slice_of(number - 1)]
                 p = np.roll(q[:, 3:], -1, axis=1)  # the scalar last
                 self._moves(node, translation=q[:, :3], rotation=p / np.linalg.norm(p, axis=1, keepdims=True))
         for span in self.sketch.spans:

@@ -11,6 +11,7 @@ from ..algebra import Array
 from ..elements import Force
 from ..elements.evaluation import element_from, partition
 from ..euler import A, E
+from ..model.coordinates import POSITION, WIDTH, by_body
 from ..model.show import MOST as LISTED
 from ..results import Trajectory
 from ..system import System
@@ -66,10 +67,9 @@ def _cubic(s: Array, h: Array, q: Array, v: Array, k: Array) -> tuple[Array, Arr
 def same_signs(q: Array) -> Array:
     """The same rotations with p and not -p where that is nearer to the time before."""
     out = q.copy()
-    for at in range(3, q.shape[1], 7):
-        p = q[:, at : at + 4]
-        flips = np.where(np.einsum("ij,ij->i", p[1:], p[:-1]) < 0, -1.0, 1.0)
-        out[1:, at : at + 4] = np.cumprod(flips)[:, None] * p[1:]
+    p = by_body(out)[..., POSITION:]
+    flips = np.where(np.einsum("tij,tij->ti", p[1:], p[:-1]) < 0, -1.0, 1.0)
+    p[1:] *= np.cumprod(flips, axis=0)[..., None]
     return out
 
 
@@ -97,9 +97,9 @@ def loads(system: System, population: Any, place: int, at: Frames) -> Iterator[L
     firsts = [None if slot < 0 else int(bodies[slot]) for slot in slots]
     wrenches = [*_over_time(system, population, place, firsts, at)]
     for side, first in enumerate(firsts):
-        if first is not None and first // 7 < len(system.bodies):  # no state variable
+        if first is not None and first < system.moving:  # no state variable
             columns = (np.array([now[side][n] for now in wrenches], dtype=float) for n in range(3))
-            yield Load(system.bodies[first // 7], *columns)
+            yield Load(system.bodies[system.layout.owner_of[first]], *columns)
 
 
 def _over_time(
@@ -115,7 +115,7 @@ def _over_time(
         Q = element.Q(x, w, t)
         if memory:
             numbers[memory] = element.remember(x)
-        states = flat.reshape(-1, 7)
+        states = by_body(flat)
         yield [
             _wrench(body, Q[2 * n], Q[2 * n + 1], _point(element, n, len(states)))
             for n, body in enumerate(states)
@@ -124,7 +124,7 @@ def _over_time(
 
 def _coordinates(y: Array, firsts: list[int | None], ground: Array) -> Array:
     """The coordinates of an element's bodies, one after the other."""
-    return np.concatenate([ground if first is None else y[first : first + 7] for first in firsts])
+    return np.concatenate([ground if first is None else y[first : first + WIDTH] for first in firsts])
 
 
 def _memory(kind: Any) -> list[int]:

@@ -12,7 +12,7 @@ from ..activity import activity, for_seconds
 from ..algebra import Array
 from ..model import Model, Point
 from ..model.checks.arguments import CHECKS
-from ..model.coordinates import WIDTH, number_of
+from ..model.coordinates import by_body, number_of, slice_of
 from ..model.expansion.blueprint import blueprint
 from ..model.show import MOST as LISTED
 from ..outputs.bodies import point_of
@@ -196,7 +196,7 @@ def _scene(run: Trajectory, name: str, traces: Iterable[Trace], selection: Any, 
 def _drawn_frames(at: Frames, drawn: Sketch) -> Frames:
     """Return frames with the coordinates of bodies, and of roads and wheels that move, without first-order states."""
     q = same_signs(drawn.coordinates(at.t, at.q, at.v))
-    return at._replace(q=q, v=at.v[:, : WIDTH * len(drawn.bodies)])
+    return at._replace(q=q, v=at.v[:, : slice_of(len(drawn.bodies)).start])
 
 
 def _curves(run: Trajectory, names: Sequence[str], at: Frames) -> list[Curve]:
@@ -277,7 +277,7 @@ def animate_mode(
     t = np.linspace(0.0, period, FRAMES)
     swing = shape * np.exp(2j * np.pi / period * t)[:, None]
     q, v = modes.q + swing.real, (2j * np.pi / period * swing).real
-    p = q.reshape(FRAMES, -1, WIDTH)[:, :, 3:]
+    p = by_body(q)[..., 3:]
     p /= np.linalg.norm(p, axis=2, keepdims=True)
     title = f"{modes.name}: {mode_title(modes, mode)}"
     run = Trajectory(

@@ -15,7 +15,7 @@ from ...linalg.svd import singular
 from ...linalg.threads import one_thread_if_small
 from ...model import SarrusError
 from ...model.announcement import announce, reports_warnings
-from ...model.coordinates import WIDTH
+from ...model.coordinates import POSITION, by_body
 from ...results import ResultList
 from ...results.maps.workspace import Workspace
 from ...results.maps.workspace_field import Quantity, WorkspaceField
@@ -385,10 +385,10 @@ class Flood:
 
 def _distances(known: Array, q: Array) -> Array:
     """Return the distances of positions (count, n) from another one, without units and signs of Euler parameters."""
-    d = (known - q).reshape(len(known), -1, WIDTH) ** 2
-    flipped = (known + q).reshape(len(known), -1, WIDTH)[..., 3:] ** 2
-    turned = np.minimum(d[..., 3:].sum(axis=2), flipped.sum(axis=2))
-    return np.asarray(np.sqrt(d[..., :3].sum(axis=(1, 2)) + turned.sum(axis=1)))
+    d = by_body(known - q) ** 2
+    flipped = by_body(known + q)[..., POSITION:] ** 2
+    turned = np.minimum(d[..., POSITION:].sum(axis=2), flipped.sum(axis=2))
+    return np.asarray(np.sqrt(d[..., :POSITION].sum(axis=(1, 2)) + turned.sum(axis=1)))
 
 
 def around(inside: Array) -> Iterator[list[int]]:

@@ -16,6 +16,7 @@ from ...euler import E
 from ...model import Coupler, Distance, Driver, Joint, Model
 from ...model.bodies.shape import Look
 from ...model.coordinate import chosen
+from ...model.coordinates import slice_of
 from ...model.errors import ModelError, SarrusWarning
 from ...model.geometry.motion import Free, pose, unit
 from ...model.geometry.points import GROUND
@@ -178,8 +179,8 @@ def _without(model: Model, ignore: Collection[str]) -> Model:
 
 
 def _poses(model: Model, q: Array) -> dict[str, Pose]:
-    rows = q[: 7 * len(model.bodies)].reshape(-1, 7)
-    poses = {body.name: pose(row[:3], unit(row[3:])) for body, row in zip(model.bodies, rows, strict=True)}
+    rows = {body.name: q[slice_of(n)] for n, body in enumerate(model.bodies)}
+    poses = {name: pose(row[:3], unit(row[3:])) for name, row in rows.items()}
     return {GROUND: GROUND_POSE, **poses}
 
 
@@ -187,7 +188,7 @@ def _twists(model: Model, q: Array, v: Array) -> dict[str, tuple[Array, Array]]:
     """Return the velocity of the origin and the angular velocity of each body, in global axes."""
     twists = {GROUND: (np.zeros(3), np.zeros(3))}
     for n, body in enumerate(model.bodies):
-        p, rate = q[7 * n + 3 : 7 * n + 7], v[7 * n : 7 * n + 7]
+        p, rate = q[slice_of(n)][3:], v[slice_of(n)]
         twists[body.name] = rate[:3], 2 * E(p) @ rate[3:]  # Eq. (1)
     return twists
 

@@ -12,7 +12,7 @@ from ...elements import Element
 from ...elements.element import WIDTHS
 from ..checks.findings import part_name
 from ..checks.names import find
-from ..coordinates import WIDTH
+from ..coordinates import WIDTH, slice_of
 from ..errors import ModelError
 from ..geometry.points import AXES, GROUND, rotation_about
 from ..geometry.pose import GROUND_POSE
@@ -105,7 +105,8 @@ def blueprint(model: Model) -> Blueprint:
     q, v = _coordinates(bodies, blocks), _rates(bodies, blocks)
     states, followed = (_places(len(bodies), blocks, kind) for kind in (False, True))
     given = np.array(
-        [*(x for body in bodies for x in body.given), *[True] * (WIDTH * len(blocks))], dtype=bool
+        [*(x for body in bodies for x in body.given), *(True for _ in blocks for _ in range(WIDTH))],
+        dtype=bool,
     )
     return Blueprint(model.name, names, q, v, given, placed, measures, rotations, states, followed)
 
@@ -172,6 +173,6 @@ def _rates(bodies: tuple[BodyState, ...], blocks: tuple[Block, ...]) -> Array:
 
 def _places(bodies: int, blocks: tuple[Block, ...], followed: bool) -> dict[str, StatePlace]:
     return {
-        state.name: StatePlace(WIDTH * (bodies + n) + k, state.unit, state.nominal)
+        state.name: StatePlace(slice_of(bodies + n).start + k, state.unit, state.nominal)
         for n, block in enumerate(blocks) if block.followed == followed for k, state in enumerate(block.states)
     }  # fmt: skip

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ... import elements
-from ..coordinates import WIDTH
+from ..coordinates import slice_of
 from ..errors import ModelError
 from ..forces.springs import TSDA
 from ..geometry.orientation import AxisAngle, EulerAngles
@@ -107,7 +107,7 @@ class Suspicions:
         """A point of a body, global in the initial pose. (3,) [m]"""
         if number == 0:
             return local
-        q = self.plan.q[WIDTH * (number - 1) : WIDTH * number]
+        q = self.plan.q[slice_of(number - 1)]
         return np.asarray(q[:3] + matrix(q[3:]) @ local)
 
     @cached_property
@@ -166,7 +166,7 @@ class Suspicions:
 
     def _moves(self, number: int) -> bool:
         """Whether a body has an initial velocity."""
-        return any(self.plan.v[WIDTH * (number - 1) : WIDTH * number])
+        return any(self.plan.v[slice_of(number - 1)])
 
     def _springs(self) -> Iterator[str]:
         stiffness: dict[int, float] = {}

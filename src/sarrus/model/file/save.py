@@ -15,6 +15,7 @@ from ...deferred import exporter
 from ..bodies.shape import Look
 from ..checks.arguments import checked
 from ..checks.findings import Path
+from ..coordinates import slice_of
 from ..errors import ModelError, SarrusWarning
 from ..expansion.blueprint import Blueprint, Placement, blueprint
 from ..expression import Expression, Number
@@ -123,8 +124,8 @@ def _facts(model: Model) -> Iterator[tuple[str, Any]]:
         model.name,
         (plan.name, plan.bodies, [*model.rates.items()], [*model.parameters.items()], dict(model.outputs)),
     )
-    yield from ((body, _bits(plan.q[7 * n : 7 * n + 7])) for n, body in enumerate(plan.bodies))
-    yield from ((body, _bits(plan.v[7 * n : 7 * n + 7])) for n, body in enumerate(plan.bodies))
+    yield from ((body, _bits(plan.q[slice_of(n)])) for n, body in enumerate(plan.bodies))
+    yield from ((body, _bits(plan.v[slice_of(n)])) for n, body in enumerate(plan.bodies))
     yield from (_placed(one) for one in (*plan.placed, *plan.coordinates))
     yield from (_look(look) for look in Model.looks(model))
 

@@ -18,6 +18,7 @@ from ...outputs import outputs_of
 from ...outputs.motion import Series, series
 from ...outputs.output import UnknownOutput, components, short, unknown_output
 from ...system import JointCoordinates, System
+from ...system.layout import POSITION
 from ..result import Result, values_of
 from ..saving.exported_file import exports
 from .energy_balance import EnergyBalance, energy_balance
@@ -294,7 +295,8 @@ class Trajectory(Result):
             place = place_of(name, self.coordinate_names, self.name)
         except UnknownOutput as unknown:
             raise UnknownOutput(f"{unknown} {WITHOUT_SYSTEM}") from None
-        unit, values = "m" if place % 7 < 3 else "1", self.v if rate else self.q
+        unit = "m" if self.coordinate_names[place].endswith(POSITION.parts) else "1"
+        values = self.v if rate else self.q
         return Series.of(name, unit, self.t, np.asarray(values[:, place]), rate)
 
     def error(self, responses: Any) -> Any:

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..._jit.formulas.expression import Graph
 from ..._jit.kernels import pointer
 from ..._jit.kernels.driver import COMPILING, Signature, driver
 from ..._jit.kernels.emit import HEADER, Recording
@@ -77,9 +78,14 @@ def block(values: Sequence[Any]) -> list[Array]:
     return [np.array(values, dtype=object)] if len(values) else []
 
 
+def inputs(graph: Graph, variant: Variant, name: str) -> Array:
+    """Inputs for the coordinates of the moving bodies of an element, or a direction in them (bodies, 7)."""
+    return graph.inputs(name, variant.moving, WIDTH)
+
+
 def local(variant: Variant, symbols: Array, name: str) -> Any:
     """Coordinates of an element's bodies, or a direction in them; some bodies may be the ground."""
-    ground = GROUND if name == "q" else (0,) * WIDTH
+    ground = GROUND if name == "q" else [0 for _ in GROUND]
     parts = [np.array(ground, dtype=object) if slot < 0 else symbols[slot] for slot in variant.slots]
     return partition(variant.kind, np.concatenate(parts))
 

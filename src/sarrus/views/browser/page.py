@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
+from ...model.coordinates import by_body, slice_of
 from ...results.saving.exported_file import exporting
 from ..looks import Part, Sketch, Span
 from ..motion import Arrow, Frames
@@ -207,7 +208,7 @@ def front(run: Scene) -> str:
     """The axis along which the mechanism has no extent, to look along at first; "iso" if there is none."""
     if run.sketch.given:
         return "iso"
-    q = run.frames.q[:, : 7 * len(run.sketch.bodies)].reshape(len(run.frames.q), -1, 7)
+    q = by_body(run.frames.q[:, : slice_of(len(run.sketch.bodies)).start])
     places = [q[:, :, :3].reshape(-1, 3)]
     places += [part.mesh.vertices for part in run.sketch.parts if part.body == 0 and part.kind == "joint"]
     extent = np.ptp(np.concatenate(places), axis=0)

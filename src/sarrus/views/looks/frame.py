@@ -9,7 +9,8 @@ import numpy as np
 
 from ...algebra import Array
 from ...euler import G
-from ...model.coordinates import WIDTH
+from ...model.coordinates import slice_of
+from ...system.structure.population import GROUND
 from .part import place_of
 
 
@@ -24,8 +25,8 @@ def lifted(name: str, height: Callable[[float], float]) -> MovingFrame:
     """The global frame, at a height [m] that is a function of time."""
 
     def coordinates(t: Array, q: Array, v: Array) -> Array:
-        frames = np.zeros((len(t), WIDTH))
-        frames[:, 2], frames[:, 3] = [float(height(at)) for at in t.tolist()], 1.0
+        frames = np.tile(GROUND, (len(t), 1))
+        frames[:, 2] = [float(height(at)) for at in t.tolist()]
         return frames
 
     return MovingFrame(name, coordinates)
@@ -47,7 +48,7 @@ def spun(name: str, body: int, point: Array, axis: Array, place: int) -> MovingF
     point, axis : the wheel centre [m] and s in the axes of the carrier (3,)
     place : of W in v, and of its integral in q
     """
-    own = slice(WIDTH * (body - 1), WIDTH * body)
+    own = slice_of(body - 1)
 
     def coordinates(t: Array, q: Array, v: Array) -> Array:
         p = q[:, own][:, 3:]

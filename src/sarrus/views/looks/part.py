@@ -8,6 +8,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...euler import A
+from ...model.coordinates import POSITION, slice_of
 from ..meshes.mesh import POINT, Mesh
 
 Kind = Literal["body", "joint", "force", "ground"]
@@ -95,8 +96,8 @@ def body_frame(q: Array, body: int) -> tuple[Array, Array]:
     """The origin and the axes, as columns, of a body by its number; those of the ground are global."""
     if not body:
         return np.zeros(3), np.eye(3)
-    p = q[7 * body - 4 : 7 * body]
-    return q[7 * body - 7 : 7 * body - 4], np.asarray(A(p / np.linalg.norm(p)), dtype=float)
+    r, p = np.split(q[slice_of(body - 1)], [POSITION])
+    return r, np.asarray(A(p / np.linalg.norm(p)), dtype=float)
 
 
 def place_of(q: Array, body: int, point: Array) -> Array:

@@ -13,7 +13,7 @@ from ...algebra import Array
 from ...model import Model, ModelError
 from ...model.announcement import announce
 from ...model.bodies.mesh_file import MissingReaderError
-from ...model.coordinates import WIDTH
+from ...model.coordinates import slice_of
 from ...model.expansion.blueprint import Blueprint, blueprint
 from ...model.geometry.points import GROUND
 from ...model.joints.couplings import Coupling
@@ -85,7 +85,7 @@ class Sketch:
 
     def coordinates(self, t: Array, q: Array, v: Array) -> Array:
         """The coordinates of all that moves, seven each, at times t (n,), of q and v (n, nq)."""
-        bodies = q[:, : WIDTH * len(self.bodies)]
+        bodies = q[:, : slice_of(len(self.bodies)).start]
         return np.column_stack([bodies, *(frame.coordinates(t, q, v) for frame in self.moving)])
 
 

@@ -19,12 +19,11 @@ from ....algebra import Array
 from ....elements.element import Force
 from ....elements.evaluation import element_from
 from ....elements.recorder import Variant
-from ....model.coordinates import WIDTH
 from ....results import Trajectory
 from ....system import System
 from ....system.cached import once
 from ....system.curves.curve_derivatives import curves_of, values_of_elements
-from ....system.curves.lanes import local
+from ....system.curves.lanes import inputs, local
 from ....system.structure.population import Population
 from ...equations.length import extent
 from ..dense_output.sampler import PORTION, Sampler
@@ -67,7 +66,7 @@ def exchange(variant: Variant) -> Exchange:
 def _recorded(variant: Variant, graph: Graph, numbers: Array) -> tuple[Any, tuple[Any, Any, Any]]:
     """An element and a state of its bodies."""
     element = element_from(variant.kind, numbers, t=graph.input("t"))
-    x, v = (local(variant, graph.inputs(name, variant.moving, WIDTH), name) for name in ("q", "v"))
+    x, v = (local(variant, inputs(graph, variant, name), name) for name in ("q", "v"))
     return element, (x, v, graph.input("t"))
 
 

@@ -24,9 +24,9 @@ from ....elements import Force, Primitive
 from ....elements.derived import HELD
 from ....elements.evaluation import element_from
 from ....elements.recorder import Variant
-from ....model.coordinates import WIDTH
+from ....model.coordinates import by_body
 from ....system import System
-from ....system.curves.lanes import local
+from ....system.curves.lanes import inputs, local
 from ....system.structure.population import Population
 
 STATES = ("q", "v", "a")  # operands of bodies besides ξ
@@ -49,7 +49,7 @@ class Share:
 
     def coordinates(self, name: str) -> Array:
         """Inputs for the moving bodies (bodies, 7)."""
-        return self.graph.inputs(name, self.variant.moving, WIDTH)
+        return inputs(self.graph, self.variant, name)
 
     def rows(self, name: str) -> Array:
         """Inputs for the equations."""
@@ -68,7 +68,7 @@ class Share:
 
     def by_body(self, of_coordinates: Sequence[Any]) -> list[Array]:
         """Return one block for each moving body."""
-        return list(np.array(of_coordinates, dtype=object).reshape(-1, WIDTH))
+        return list(by_body(np.array(of_coordinates, dtype=object)))
 
 
 def _share(element: Any, kind: str, x: dict[str, Any], lam: Array, nu: Array, t: Any) -> Any:

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from ....algebra import Array
-from ....model.coordinates import WIDTH
 from ....system import System
 from ...equations.nullspace import normalizations
 from .rows import Problem
@@ -120,7 +119,7 @@ def tree_rows(system: System) -> Array:
     pattern, found = system.Phi_q(system.q0), [np.flatnonzero(normalizations(system))]
     for joint in system.model.joints:
         rows = system.rows.get(joint.name, np.zeros(0, dtype=int))
-        bodies = np.unique(pattern[rows].indices // WIDTH + 1)
+        bodies = np.unique(system.layout.owner_of[pattern[rows].indices] + 1)
         ends = part[bodies if len(bodies) != 1 else [0, *bodies]]
         if len(np.unique(ends)) == len(ends):
             found.append(rows)

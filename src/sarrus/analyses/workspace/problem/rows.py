@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
-from ....model.coordinates import WIDTH
 from ....model.geometry.points import GROUND
 from ....model.geometry.rotation import matrix
 from ....system import System
@@ -210,12 +209,13 @@ class Handedness:
                 i, j = joint.frames(poses)
                 on_i, on_j = (np.array([frame.f, frame.g, frame.h]) for frame in (i, j))  # axes as rows
                 self._joints.append((number[i.body], number[j.body], on_i, on_j))
+        self._rotations = system.layout.rotations
         self._drawn = self._products(system.q0)
         found = abs(np.array([self._products(q) for q in (system.q0, *positions)]))
         self._parallel = np.all(found > 1 - PARALLEL, axis=0) & (len(positions) > 0)
 
     def _products(self, q: Array) -> Array:
-        A = [np.eye(3), *(matrix(p / np.linalg.norm(p)) for p in q.reshape(-1, WIDTH)[:, 3:])]
+        A = [np.eye(3), *(matrix(p / np.linalg.norm(p)) for p in q[self._rotations])]
         found = [(A[i] @ on_i.T).T @ (A[j] @ on_j.T) for i, j, on_i, on_j in self._joints]
         return np.array(found).reshape(-1)
 

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from ....algebra import Array
-from ....model.coordinates import WIDTH
+from ....model.coordinates import POSITION, by_body
 from ..problem.rows import Problem
 from ..problem.settle import CLOSE
 
@@ -143,9 +143,9 @@ def signs(stratum: Stratum, x: Array, like: Array) -> Array:
 
 def body_signs(q: Array, like: Array) -> Array:
     """The signs (n,) of the Euler parameters alone."""
-    products = (q * like).reshape(-1, WIDTH)[:, 3:].sum(axis=1)
-    found = np.ones((len(q) // WIDTH, WIDTH))
-    found[products < 0, 3:] = -1.0
+    products = by_body(q * like)[:, POSITION:].sum(axis=1)
+    found = np.ones_like(by_body(q))
+    found[products < 0, POSITION:] = -1.0
     return found.reshape(-1)
 
 

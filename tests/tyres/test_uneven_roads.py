@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import warnings
 from typing import Any
 
 import numpy as np
@@ -63,9 +65,16 @@ X = np.linspace(-2, 8, 41)
 BUMP = 0.05 * np.exp(-(((X - 2.5) / 0.6) ** 2))
 
 
-def car(road: Any, of: Any = sr.BrushTyre, **given: Any) -> sr.System:
+def car(road: Any, of: Any = sr.BrushTyre, height: float = 0.3, roll: float = 0.0, **given: Any) -> sr.System:
     """A body on four tyres whose spins are states, or on vertical ones, at 5 m/s."""
-    body = sr.Body("car", mass=300, inertia=(40, 60, 60), position=(0, 0.2, 0.3), velocity=(5, 0, 0))
+    body = sr.Body(
+        "car",
+        mass=300,
+        inertia=(40, 60, 60),
+        position=(0, 0.2, height),
+        velocity=(5, 0, 0),
+        angular_velocity=(roll, 0, 0),
+    )
     numbers: dict[str, Any] = {"radius": 0.31, "k": 1e5, "c": 1000.0}
     if of is sr.BrushTyre:
         numbers |= {name: BRUSH[name] for name in ("c_kappa", "c_alpha", "mu", "half_length")}
@@ -123,6 +132,7 @@ def test_gradient_of_a_run_over_a_bump(of: Any) -> None:
         assert found == pytest.approx(expected, rel=1e-5), name
 
 
+@pytest.mark.filterwarnings("ignore:... its contact ends where the wheel leans")  # it lands on its roof
 def test_a_car_that_leaves_a_road_at_its_side() -> None:
     """The road falls to the right: the car slides off, and the run goes on along the tangent, with a warning."""
     x, y = [-5, 0, 20, 40], np.linspace(-1, 1, 5)
@@ -132,6 +142,27 @@ def test_a_car_that_leaves_a_road_at_its_side() -> None:
     assert run["car.y"][-1] < -1
     assert np.abs(run["car.z"]).max() < 3
     assert run["car.z"][-1] - 0.4 * run["car.y"][-1] == pytest.approx(0.3 * np.hypot(1, 0.4), abs=0.02)
-    (message,) = [text for text in run.warnings if text.startswith("fr: ")]
+    (message,) = [text for text in run.warnings if text.startswith("fr: its road")]
     assert message.startswith("fr: its road ends at y = -1 and 1, but is used at -1.0")
     assert "continued by its tangent. Extend its grid." in message
+
+
+@pytest.mark.parametrize("road", [0.0, sr.Surface([-90, 90], [-90, 90], np.zeros((2, 2)))])
+def test_a_car_that_rolls_over_has_one_warning_for_each_wheel(road: Any) -> None:
+    """It falls from a height and turns: on two wheels there is no warning, on its side it falls through the road."""
+    for rate, count in ((1.2, 0), (6.0, 4)):
+        rolling = car(road, height=1.0, roll=rate)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            run = sr.simulate(rolling, until=0.6, t_eval=np.linspace(0, 0.6, 61))
+        lean = np.degrees(run["car.rotation_x"])
+        assert lean.max() > 15
+        texts = [str(one.message) for one in caught]
+        assert len(texts) == len(run.warnings) == count
+        for text in texts:
+            assert re.match(
+                "[fr][lr]: its contact ends where the wheel leans by .deg. -70 and 70, but is", text
+            )
+            assert "passes through the road. Hold it by contacts of its body" in text
+            t = float(text.split("t = ")[1].split()[0])
+            assert np.interp(t, run.t, lean) == pytest.approx(70, abs=2)

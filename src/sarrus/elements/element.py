@@ -45,6 +45,21 @@ ZERO_SINGLE: Grid = ((None,) * 2,) * 2
 ZERO_PAIR: Grid = ((None,) * 4,) * 4
 
 
+class Validity(NamedTuple):
+    """The range of a quantity in which an element's law holds; a run that leaves it has a warning.
+
+    of : name of the element's method of the coordinates and velocities that returns it
+    low, high : the ends
+    ends, remedy : texts of the warning before and after its values
+    """
+
+    of: str
+    low: float
+    high: float
+    ends: str
+    remedy: str
+
+
 class Pair(NamedTuple):
     """Coordinates of two bodies, or a direction in them: the paper's partition of a 14-vector."""
 
@@ -76,6 +91,7 @@ class Element:
     outputs: ClassVar[dict[str, Declared]] = {}
     timed: ClassVar[bool] = False
     rare: ClassVar[bool] = False
+    validity: ClassVar[Validity | None] = None
     nonholonomic: ClassVar[bool] = False
     rules: ClassVar[Mapping[str, Derivative]] = DERIVATIVES
     registry: ClassVar[dict[str, type[Element]]] = {}

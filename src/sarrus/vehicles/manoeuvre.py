@@ -18,6 +18,7 @@ from ..analyses.sensitivity.derivatives import response_values, sensitivity
 from ..analyses.sensitivity.responses.responses import At, Final
 from ..euler import A
 from ..model import SarrusError
+from ..model.announcement import announce, collecting, is_strict
 from ..model.errors import listed
 from ..model.show import suggest
 from ..results import Gradient, Trajectory
@@ -204,7 +205,8 @@ def driven(
     given = options.get("events", ())
     every = [*events, upright, *(given if isinstance(given, Sequence) else [given])]
     rest = {**options, "events": every, "inputs": known}
-    run = simulate(system, start, until=until, t_eval=t, store="steps", **rest)
+    with collecting(is_strict()) as found:  # a vehicle that rolls over is an error alone
+        run = simulate(system, start, until=until, t_eval=t, store="steps", **rest)
     if not run.success:
         raise SarrusError(
             f"{system.name}: {run.message.removesuffix('.')}. Correct the model, or drive more slowly."
@@ -214,6 +216,7 @@ def driven(
             f"{system.name}: it rolls over, {names.chassis} lies on its side at t = {run.events[-1].t:.3g} s"
         )
         raise SarrusError(f"{message}. Drive more slowly, or steer less.")
+    announce(found.messages)
     return run
 
 

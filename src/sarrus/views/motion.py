@@ -7,14 +7,18 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..algebra import Array
+from .._jit.formulas.expression import Graph
+from .._jit.formulas.replay import needed
+from ..algebra import Array, cross
 from ..elements import Force
-from ..elements.evaluation import element_from, partition
-from ..euler import A, E
-from ..model.coordinates import POSITION, WIDTH, by_body
+from ..euler import E, rotate
+from ..model.coordinates import POSITION, by_body
 from ..model.show import MOST as LISTED
 from ..results import Trajectory
 from ..system import System
+from ..system.curves.curve_derivatives import values_of_elements
+from ..system.curves.lanes import recorded_element
+from ..system.structure.population import Population
 from .meshes.mesh import POINT
 
 SAMPLES = 60  # positions of a run that rails are long enough for, and that a camera sees
@@ -79,9 +83,6 @@ def interpolated(times: Array, values: Array, t: Array) -> Array:
     return np.column_stack(columns) if columns else np.zeros((len(t), 0))
 
 
-GROUND = np.array([0.0, 0, 0, 1, 0, 0, 0])
-
-
 class Load(NamedTuple):
     """Force [N] at a body's points [m] and torque about them [N m], in global axes, each (n, 3)."""
 
@@ -91,61 +92,46 @@ class Load(NamedTuple):
     torques: Array
 
 
-def loads(system: System, population: Any, place: int, at: Frames) -> Iterator[Load]:
-    """Yield what the element at a ``place`` of a population does to each of its moving bodies."""
-    slots, bodies = population.variant.slots, population.bodies[place]
-    firsts = [None if slot < 0 else int(bodies[slot]) for slot in slots]
-    wrenches = [*_over_time(system, population, place, firsts, at)]
-    for side, first in enumerate(firsts):
-        if first is not None and first < system.moving:  # no state variable
-            columns = (np.array([now[side][n] for now in wrenches], dtype=float) for n in range(3))
-            yield Load(system.bodies[system.layout.owner_of[first]], *columns)
+def loads(system: System, p: Population, at: Frames) -> Iterator[tuple[int, Load]]:
+    """Yield what each element of a population, by its number, does to each of its moving bodies."""
+    graph = Graph()
+    element, (x, v, t) = recorded_element(p.variant, graph, graph.inputs("numbers", p.kind.size()))
+    Q, slots = element.Q(x, v, t), p.variant.slots
+    moving = [side for side, slot in enumerate(slots) if slot >= 0]
+    own = [(x[2 * n : 2 * n + 2], Q[2 * n : 2 * n + 2], _point(element, n, len(slots))) for n in moving]
+    wanted = graph.expressions(number for one in own for number in _wrench(*one))
+    operands = _remembered(system, at), at._asdict()
+    values = values_of_elements(p, graph, wanted, needed(graph, wanted), system.b, *operands)
+    for k, bodies in enumerate(p.bodies):
+        for side, wrench in zip(moving, values[:, k].reshape(len(moving), 3, 3, -1), strict=True):
+            first = int(bodies[slots[side]])
+            if first < system.moving:  # no state variable
+                yield k, Load(system.bodies[system.layout.owner_of[first]], *wrench.swapaxes(1, 2))
 
 
-def _over_time(
-    system: System, population: Any, place: int, firsts: list[int | None], at: Frames
-) -> Iterator[list[tuple[Array, Array, Array]]]:
-    """Yield point, force and torque for each body, for each frame."""
-    kind, start = population.kind, population.at + place * population.kind.size()
-    numbers, memory = system.b[start : start + kind.size()].copy(), _memory(kind)
-    for t, q, v in zip(at.t, at.q, at.v, strict=True):
-        element: Any = element_from(kind, numbers, system.b, t)
-        flat, rates = _coordinates(q, firsts, GROUND), _coordinates(v, firsts, 0 * GROUND)
-        x, w = partition(kind, flat), partition(kind, rates)
-        Q = element.Q(x, w, t)
-        if memory:
-            numbers[memory] = element.remember(x)
-        states = by_body(flat)
-        yield [
-            _wrench(body, Q[2 * n], Q[2 * n + 1], _point(element, n, len(states)))
-            for n, body in enumerate(states)
-        ]
+def _wrench(state: Any, Q: Any, s: Any) -> Iterator[Any]:
+    """Yield a global point, the force there and the torque about it of [Q_r; Q_p]: ½ E Q_p less lever × force."""
+    r, p = state
+    force, turn = (np.zeros(len(x)) if block is None else block for block, x in zip(Q, state, strict=True))
+    lever = rotate(p, s)
+    yield from (*(r + lever), *force, *(E(p) @ turn / 2 - cross(lever, force)))
 
 
-def _coordinates(y: Array, firsts: list[int | None], ground: Array) -> Array:
-    """The coordinates of an element's bodies, one after the other."""
-    return np.concatenate([ground if first is None else y[first : first + WIDTH] for first in firsts])
-
-
-def _memory(kind: Any) -> list[int]:
-    """Return the indices of an element's state variables."""
-    starts = np.cumsum([0, *kind.widths()])
-    return [int(at) for at, field in zip(starts, kind.fields.values(), strict=False) if field == "Memory"]
-
-
-def _point(element: Any, side: int, bodies: int) -> Array:
+def _point(element: Any, side: int, bodies: int) -> Any:
     """The point of a force element on a body in its axes: of a weight the centre of mass; the origin if it has none."""
     alone = "center" if hasattr(element, "center") else "s"
     name = alone if bodies == 1 else ("s_i", "s_j")[side] if bodies == 2 else ""
-    return np.asarray(getattr(element, name, np.zeros(3)), dtype=float)
+    return getattr(element, name, np.zeros(3))
 
 
-def _wrench(body: Array, Q_r: Any, Q_p: Any, s: Array) -> tuple[Array, Array, Array]:
-    """A global point, the force there and the torque about it, of a generalized force [Q_r; Q_p]; n = ½ E Q_p."""
-    lever = A(body[3:]) @ s
-    force = np.zeros(3) if Q_r is None else np.asarray(Q_r, dtype=float)
-    turn = np.zeros(4) if Q_p is None else np.asarray(Q_p, dtype=float)
-    return body[:3] + lever, force, 0.5 * E(body[3:]) @ turn - np.cross(lever, force)
+def _remembered(system: System, at: Frames) -> dict[int, Array]:
+    """The state variables of elements at each frame (n,), as those before remember them, by place."""
+    b, places = system.b.copy(), system.memory_places
+    values = np.zeros((len(at.t), len(places)))
+    for n in range(len(at.t) if len(places) else 0):
+        values[n] = b[places]
+        system.remember(at.q[n], b, float(at.t[n]))
+    return dict(zip(places.tolist(), values.T, strict=True))
 
 
 # Percent of the time in which no arrow is longer than a long one: peaks do not make all others vanish
@@ -216,14 +202,13 @@ def _applied(system: System, at: Frames, forces: bool, weights: bool) -> list[Ar
     for p in system.populations:
         if not issubclass(p.kind, Force):
             continue
-        for k, (owner, label) in enumerate(zip(p.owners, p.labels, strict=True)):
-            weighing = label == "gravity"
-            for load in loads(system, p, k, at) if (weights if weighing else forces) else ():
-                if weighing:
-                    description = f"weight of {load.body}"
-                    arrows.append(Arrow(load.body, "force", description, False, load.points, load.forces))
-                    continue
-                on = f"{owner} on {load.body}"
+        shown = [weights if label == "gravity" else forces for label in p.labels]
+        for k, load in loads(system, p, at) if any(shown) else ():
+            if p.labels[k] == "gravity" and shown[k]:
+                description = f"weight of {load.body}"
+                arrows.append(Arrow(load.body, "force", description, False, load.points, load.forces))
+            elif shown[k]:
+                owner, on = p.owners[k], f"{p.owners[k]} on {load.body}"
                 arrows.append(Arrow(owner, "force", f"force of {on}", False, load.points, load.forces))
                 arrows.append(Arrow(owner, "force", f"torque of {on}", True, load.points, load.torques))
     return arrows

@@ -20,7 +20,7 @@ from ..dynamics.inputs.prescribed_motions import refuse_infinite_motions
 from ..equations.length import units
 from ..equations.nullspace import NullSpace
 from ..equations.projection import largest, onto
-from ..equations.table_ranges import announce_left_tables
+from ..equations.table_ranges import announce_left_ranges
 from ..position.assembly_changes import position_changes, warning
 from ..position.initial_state import PartialState, Start, contradicting, state_of
 from ..position.prescribed_angles import prescribed_revolutions
@@ -219,7 +219,7 @@ class _Run:
 
     def trajectory(self) -> Trajectory:
         t, q, v, a, lam, violation, energy, _, memory, revolutions = (x[: self.count] for x in self.out)
-        announce_left_tables(self.system, self.path.b, t, q, v, memory)
+        announce_left_ranges(self.system, self.path.b, t, q, v, memory)
         remembered = dict(zip(self.system.memory_places.tolist(), memory.T, strict=True))
         potential = energy[:, 1] + curve_potentials(self.system.populations, self.path.b, remembered, t, q)
         if self.singular and self.status == "finished":

@@ -1,4 +1,4 @@
-"""Tables and surfaces that are used outside of their range, where they continue along the tangent at an end."""
+"""Tables, surfaces and elements that are used outside of their range: tables continue along the tangent at an end."""
 
 from __future__ import annotations
 
@@ -16,12 +16,14 @@ from ...model.announcement import announce, collected
 from ...system import System
 from ...system.cached import once
 from ...system.curves.curve_derivatives import calls_of, entries_of, tables_of, values_of_elements
+from ...system.curves.lanes import recorded_element
 from ...system.structure.population import Population
 
 ROUND_OFF = np.finfo(float).eps ** 0.5  # of the range of a table: its tangent changes nothing there
+TANGENT = "continued by its tangent."
 OF_TABLE = (
     "its table ends at",
-    "Extend the table, or make it periodic, as by Curve.table(pairs, periodic=True).",
+    f"{TANGENT} Extend the table, or make it periodic, as by Curve.table(pairs, periodic=True).",
 )
 
 
@@ -46,8 +48,8 @@ class _Tables(NamedTuple):
     ranges: list[_Range]
 
 
-def announce_left_tables(system: System, b: Array, t: Array, q: Array, v: Array, memory: Array) -> None:
-    """Announce each table whose range is left, once in an analysis.
+def announce_left_ranges(system: System, b: Array, t: Array, q: Array, v: Array, memory: Array) -> None:
+    """Announce each range that is left, once in an analysis.
 
     Parameters
     ----------
@@ -62,8 +64,22 @@ def announce_left_tables(system: System, b: Array, t: Array, q: Array, v: Array,
 
 @once
 def _tables(system: System) -> tuple[_Tables, ...]:
-    """The tables of a system that are not periodic."""
-    return tuple(tables for p in system.populations if p.count for tables in _tables_of(p))
+    """The tables of a system that are not periodic, and what its elements declare."""
+    return tuple(
+        tables for p in system.populations if p.count for tables in (*_tables_of(p), *_validity_of(p))
+    )
+
+
+def _validity_of(p: Population) -> Iterator[_Tables]:
+    """The range that a kind of element declares, see `Validity`."""
+    valid = p.kind.validity
+    if valid is None:
+        return
+    graph = Graph()
+    element, (x, v, _) = recorded_element(p.variant, graph, graph.inputs("numbers", p.kind.size()))
+    wanted = graph.expressions([getattr(element, valid.of)(x, v)])
+    ranges = [_Range(0, k, *valid[1:]) for k in range(p.count)]
+    yield _Tables(p, graph, wanted, needed(graph, wanted), ranges)
 
 
 def _messages(
@@ -76,9 +92,7 @@ def _messages(
         about = f"{own.population.owners[k]}: {ends} {low:g} and {high:g}, but is used at "
         if len(outside) and not any(message.startswith(about) for message in collected()):
             first = outside[0]
-            yield (
-                f"{about}{x[first]:.6g} at t = {motion['t'][first]:.6g} s, continued by its tangent. {remedy}"
-            )
+            yield f"{about}{x[first]:.6g} at t = {motion['t'][first]:.6g} s, {remedy}"
 
 
 def _tables_of(p: Population) -> Iterator[_Tables]:
@@ -101,9 +115,8 @@ def _tables_of(p: Population) -> Iterator[_Tables]:
             for k, values in enumerate(p.values):
                 knots = getattr(values[surface], axis)
                 ends = f"its road ends at {axis} ="
-                ranges.append(
-                    _Range(len(arguments), k, float(knots[0]), float(knots[-1]), ends, "Extend its grid.")
-                )
+                low, high = float(knots[0]), float(knots[-1])
+                ranges.append(_Range(len(arguments), k, low, high, ends, f"{TANGENT} Extend its grid."))
             arguments.append(Expression(graph, at))
     if ranges:
         yield _Tables(p, graph, arguments, needed(graph, arguments), ranges)

@@ -16,7 +16,7 @@ from ..equations.length import lever
 from ..equations.nullspace import refuse_missing_inertia
 from ..equations.projection import largest, onto
 from ..equations.states_at_rest import following, places, settled_states, sizes, undetermined, with_states
-from ..equations.table_ranges import announce_left_tables
+from ..equations.table_ranges import announce_left_ranges
 from ..position.initial_state import PartialState, Start, state_of
 from ..redundancy.degrees_of_freedom import mobility
 from .balance import FINISHED, Balance
@@ -206,7 +206,7 @@ class _Search:
             message = f"{self.system.name} balances after {count} steps; {_words(now)}{self._crossing(now)}"
             self._warn_of_guesses(now)
             t, q, memory = np.array([self.t]), now.q[None], self.b[None, self.system.memory_places]
-            announce_left_tables(self.system, self.b, t, q, 0.0 * q, memory)
+            announce_left_ranges(self.system, self.b, t, q, 0.0 * q, memory)
             return self.result(now, True, message, count)
         message = (
             f"{self.system.name}: no equilibrium found in {count} steps, a force of {now.residual:.3g} remains; "

@@ -25,7 +25,7 @@ from ..._jit.kernels.vector import LANES
 from ..._jit.linking.cache import stored_value
 from ...algebra import Array
 from ...elements import BUILT_IN
-from ...elements.evaluation import partition
+from ...elements.evaluation import element_from, partition
 from ...elements.recorder import GROUND, Variant
 from ...model.coordinates import WIDTH
 from ..structure.population import Population
@@ -88,6 +88,13 @@ def local(variant: Variant, symbols: Array, name: str) -> Any:
     ground = GROUND if name == "q" else [0 for _ in GROUND]
     parts = [np.array(ground, dtype=object) if slot < 0 else symbols[slot] for slot in variant.slots]
     return partition(variant.kind, np.concatenate(parts))
+
+
+def recorded_element(variant: Variant, graph: Graph, numbers: Array) -> tuple[Any, tuple[Any, Any, Any]]:
+    """An element with recorded numbers, and a recorded state of its bodies."""
+    element = element_from(variant.kind, numbers, t=graph.input("t"))
+    x, v = (local(variant, inputs(graph, variant, name), name) for name in ("q", "v"))
+    return element, (x, v, graph.input("t"))
 
 
 class Recipe(NamedTuple):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import cache, cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,13 +17,12 @@ from ...._jit.formulas.expression import Expression, Graph
 from ...._jit.formulas.replay import needed
 from ....algebra import Array
 from ....elements.element import Force
-from ....elements.evaluation import element_from
 from ....elements.recorder import Variant
 from ....results import Trajectory
 from ....system import System
 from ....system.cached import once
 from ....system.curves.curve_derivatives import curves_of, values_of_elements
-from ....system.curves.lanes import inputs, local
+from ....system.curves.lanes import recorded_element
 from ....system.structure.population import Population
 from ...equations.length import extent
 from ..dense_output.sampler import PORTION, Sampler
@@ -55,19 +54,12 @@ class Exchange(NamedTuple):
 def exchange(variant: Variant) -> Exchange:
     """The exchange of a kind of force."""
     graph = Graph()
-    element, state = _recorded(variant, graph, graph.inputs("numbers", variant.kind.size()))
+    element, state = recorded_element(variant, graph, graph.inputs("numbers", variant.kind.size()))
     stored = 0 if hasattr(element, "potential") else element.stored_energy(*state)
     net = element.supplied_power(*state) - element.dissipated_power(*state)
     wanted = graph.expressions([stored, net])
     zero = all(one.constant == 0 for one in wanted)
     return Exchange(graph, wanted, [] if zero else needed(graph, wanted))
-
-
-def _recorded(variant: Variant, graph: Graph, numbers: Array) -> tuple[Any, tuple[Any, Any, Any]]:
-    """An element and a state of its bodies."""
-    element = element_from(variant.kind, numbers, t=graph.input("t"))
-    x, v = (local(variant, inputs(graph, variant, name), name) for name in ("q", "v"))
-    return element, (x, v, graph.input("t"))
 
 
 @once
@@ -78,7 +70,7 @@ def unexplained(system: System) -> tuple[bool, bool]:
         for k in range(p.count):
             graph, at = Graph(), p.at + k * p.kind.size()
             numbers = [graph.constant(x) for x in system.b[at : at + p.kind.size()].tolist()]
-            element, state = _recorded(p.variant, graph, np.array(numbers, dtype=object))
+            element, state = recorded_element(p.variant, graph, np.array(numbers, dtype=object))
             powers = graph.expressions([element.supplied_power(*state), element.dissipated_power(*state)])
             supplied, dissipated = (one.constant != 0 for one in powers)
             if supplied or (

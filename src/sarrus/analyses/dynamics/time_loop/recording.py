@@ -21,7 +21,7 @@ from ....results.motion.steps import until as steps_until
 from ....results.saving.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
 from ....results.saving.saved import COUNTS, STORED_STEPS, UNFINISHED, Store
 from ....system import System
-from ...equations.table_ranges import announce_left_tables
+from ...equations.table_ranges import announce_left_ranges
 from ...progress import TimeLimit
 from ..dense_output.sample_loop import Samples
 from ..dense_output.sampler import Sampler
@@ -157,7 +157,7 @@ class Recording(RunPart):
         revolutions = self.winding.take(nodes.t, nodes.q, nodes.v)
         self.outputs.take(nodes, self.plan.times[self._written : last], revolutions)
         self._written = last
-        announce_left_tables(self.system, self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
+        announce_left_ranges(self.system, self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
         self.energies.take(nodes)
         self._last = nodes.part(slice(-1, None))
         if len(nodes.t) > 1:

@@ -36,10 +36,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ...._jit.formulas.functions import asin, sqrt, tanh
+from ...._jit.formulas.functions import asin, atan, sqrt, tanh
 from ....algebra import Array, Row, cross
 from ....euler import E, rotate
-from ...element import Curve, Force, Pair, Scalar, Surface, Vec3
+from ...element import Curve, Force, Pair, Scalar, Surface, Validity, Vec3
 from ...output import output
 from ..laws import soft_ramp, soft_step
 from .law import Slip, TyreLaw, Wrench
@@ -48,6 +48,7 @@ from .rounding import SMALLEST, at_least, fading, limited, rounded_absolute
 STATES = ("deflection_x", "deflection_y")
 MASS = 1.0  # [kg] of the block of the states, a scale alone
 LEANING = (0.25, 0.1170)  # cos² of 60° and of 70°
+LARGEST = 70.0  # [deg]
 LEAST = 1.0  # [N] load by which the use of friction is divided at least
 COMMON = {
     "s": "Vec3",  # [m] wheel centre in the wheel
@@ -108,6 +109,11 @@ class RollingTyre(Force, abstract=True, metaclass=TyreType):
     kind_of_road: ClassVar[str]  # of `ROADS`
     prefix: ClassVar[str] = ""  # of the names of its classes
     further: ClassVar[dict[str, str]] = {}  # fields behind those of the law
+    validity: ClassVar[Validity | None] = Validity(
+        "lean", -LARGEST, LARGEST, "its contact ends where the wheel leans by [deg]",
+        "where the wheel passes through the road. Hold it by contacts of its body, such as sr.SphereContact, or end "
+        "the run there by an event."
+    )  # fmt: skip
 
     if TYPE_CHECKING:  # the fields of `COMMON` and `ROADS`
         s: Vec3
@@ -143,6 +149,11 @@ class RollingTyre(Force, abstract=True, metaclass=TyreType):
         spin = omega @ s - yaw * sin_gamma
         velocity = v_C + cross(omega - spin * s, place - C)
         return Contact(e_x, cross(n, e_x), n, place, sin_gamma, upright, loaded, spin, yaw, velocity)
+
+    def lean(self, x: Pair, v: Pair) -> Any:
+        """The inclination as far as 90° [deg]."""
+        c = self._contact(x, v)
+        return 180 / np.pi * atan(c.sin_gamma / sqrt(c.upright))
 
     def _plane(self, at: Array) -> tuple[Array, Array]:
         """A point of the road below a place, and the normal there."""

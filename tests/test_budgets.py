@@ -30,8 +30,8 @@ BUDGETS = {
     "_jit": Size(2062, 34, 15, 1),
     "analyses": Size(314, 5, 4, 0),
     "analyses/driven": Size(853, 6, 25, 0),
-    "analyses/dynamics": Size(7044, 69, 173, 4),
-    "analyses/equations": Size(1288, 13, 18, 0),
+    "analyses/dynamics": Size(7040, 69, 173, 4),
+    "analyses/equations": Size(1297, 13, 18, 0),
     "analyses/equilibria": Size(1325, 10, 21, 5),
     "analyses/forward": Size(1040, 13, 2, 7),
     "analyses/optimization": Size(1438, 11, 28, 0),
@@ -41,7 +41,7 @@ BUDGETS = {
     "analyses/workspace": Size(3435, 32, 66, 0),
     "bridges": Size(158, 5, 0, 0),
     "cli": Size(1513, 28, 11, 0),
-    "elements": Size(2866, 59, 13, 0),
+    "elements": Size(2882, 59, 14, 0),
     "io": Size(5837, 65, 28, 0),
     "linalg": Size(1513, 17, 24, 0),
     "mechanisms": Size(10, 1, 0, 0),
@@ -49,9 +49,9 @@ BUDGETS = {
     "outputs": Size(1311, 15, 1, 2),
     "results": Size(2520, 38, 12, 0),
     "studies": Size(1802, 15, 12, 0),
-    "system": Size(1948, 24, 24, 1),
-    "vehicles": Size(1974, 18, 18, 0),
-    "views": Size(3112, 37, 47, 0),
+    "system": Size(1952, 24, 24, 1),
+    "vehicles": Size(1976, 18, 18, 0),
+    "views": Size(3101, 37, 47, 0),
 }
 
 WITH_DOCSTRING = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)

@@ -261,3 +261,19 @@ def test_what_nobody_uses_is_left_out_and_what_has_an_effect_stays() -> None:
     assert [one.opname for one in function.blocks[0].instructions] == [
         "insertvalue", "insertvalue", "extractvalue", "store", "ret",
     ]  # fmt: skip
+
+
+@compiled(entry=True)
+def zeros(n: int) -> Values:
+    """A function of Numba that may fail."""
+    return np.zeros(n)
+
+
+def test_functions_of_numba_without_code_of_their_own_serve_other_compiled_functions() -> None:
+    made: Any = link(zeros)
+    assert made.py_func(2).tolist() == made(2).tolist() == [0.0, 0.0]
+    other = njit(lambda n: np.zeros(n).sum())
+    assert other(3) == 0.0
+    for function in (made, other):
+        with pytest.raises(ValueError, match="negative dimensions"):
+            function(-1)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
+from unittest.mock import patch
 
 import numba
 from numba import njit
@@ -79,14 +80,9 @@ def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], c
 
 @contextmanager
 def _vectorizer(on: bool) -> Iterator[None]:
-    config: Any = numba_config
-    with COMPILING:
-        before = config.SLP_VECTORIZE
-        config.SLP_VECTORIZE = int(on)
-        try:
-            yield
-        finally:
-            config.SLP_VECTORIZE = before
+    """LLVM's vectorizer of straight-line code on or off; that of loops finds none in formulas of an element."""
+    with COMPILING, patch.multiple(numba_config, SLP_VECTORIZE=int(on), LOOP_VECTORIZE=0):
+        yield
 
 
 def compile_source(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:

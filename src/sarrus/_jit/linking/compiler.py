@@ -7,12 +7,18 @@ from typing import Any
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.typed_passes import AnnotateTypes, NativeLowering
 
+from .economy import economy
 from .linked_library import LinkedLowering
 from .reference_counts import CheckReturnedArrays
 
 
 class LinkedCompiler(CompilerBase):
     """The compiler of linked functions and of drivers."""
+
+    def compile_extra(self, func: Any) -> Any:
+        """Compile a function, and Numba's own functions that it calls, without work that they do not need."""
+        with economy(self.state.targetctx.codegen()):
+            return super().compile_extra(func)  # type: ignore[no-untyped-call]
 
     def define_pipelines(self) -> list[Any]:
         passes: Any = DefaultPassBuilder.define_nopython_pipeline(self.state)

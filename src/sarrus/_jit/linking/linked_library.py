@@ -42,7 +42,8 @@ def _tuning() -> PipelineTuningOptions:
     """LLVM's options for the optimization of an entry with all that it calls."""
     tuning = create_pipeline_tuning_options(SETTINGS.OPT)
     tuning.slp_vectorization = bool(SETTINGS.SLP_VECTORIZE)
-    tuning.loop_vectorization, tuning.loop_unrolling = bool(SETTINGS.LOOP_VECTORIZE), False
+    tuning.loop_vectorization = bool(SETTINGS.LOOP_VECTORIZE)
+    tuning.loop_interleaving = tuning.loop_unrolling = False
     return tuning
 
 

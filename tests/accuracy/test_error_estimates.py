@@ -65,7 +65,7 @@ def problem_of(name: str) -> Problem:
     return next(one for one in PROBLEMS if one.name == name)
 
 
-def effectivities(name: str, **settings: Any) -> dict[str, float]:
+def effectivities(name: str, field: str = "estimate", **settings: Any) -> dict[str, float]:
     """Estimated over true error of each output at the end, but for those that happen to be right."""
     problem = problem_of(name)
     (system, start), known = problem.make(), problem.solution()
@@ -79,7 +79,9 @@ def effectivities(name: str, **settings: Any) -> dict[str, float]:
     true = np.array([one.value for one in found]) - truth
     large = abs(true) > LARGE * abs(true).max()
     return {
-        one.response: one.estimate / error for one, error, on in zip(found, true, large, strict=True) if on
+        one.response: getattr(one, field) / (error if field == "estimate" else abs(error))
+        for one, error, on in zip(found, true, large, strict=True)
+        if on
     }
 
 
@@ -125,8 +127,11 @@ def test_prescribed_motions_have_small_errors(name: str) -> None:
 
 
 def test_errors_of_stiff_steps_are_not_underestimated() -> None:
-    """The last steps are 30 time constants of the creeping mass long, where the adjoint is not linear."""
-    for response, effectivity in effectivities("stick and slip").items():
+    """The last steps are 30 time constants of the creeping mass long, where the adjoint is not linear.
+
+    Their contributions have both signs, and cancel or not depending on round-off.
+    """
+    for response, effectivity in effectivities("stick and slip", "spread").items():
         assert 0.3 < effectivity < 100, (response, effectivity)
 
 

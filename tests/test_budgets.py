@@ -45,7 +45,7 @@ BUDGETS = {
     "io": Size(5837, 65, 28, 0),
     "linalg": Size(1513, 17, 24, 0),
     "mechanisms": Size(10, 1, 0, 0),
-    "model": Size(11528, 134, 61, 0),
+    "model": Size(11529, 134, 61, 0),
     "outputs": Size(1311, 15, 1, 2),
     "results": Size(2520, 38, 12, 0),
     "studies": Size(1802, 15, 12, 0),

@@ -75,7 +75,7 @@ def test_checkpoints_are_dropped_where_they_need_more_memory(monkeypatch: pytest
     monkeypatch.setattr(
         long_run.LongRun, "interval", lambda self, n: begun.append(len(self)) or take(self, n)
     )
-    compared(slider_crank(), RESPONSES[0], 0.8, memory=4e5, **SETTINGS)
+    compared(slider_crank(), RESPONSES[0], 0.8, memory=6e5, **SETTINGS)
     assert 1 < begun[0] < 20
 
 

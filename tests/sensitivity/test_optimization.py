@@ -561,7 +561,7 @@ def test_hessian_products_of_combined_responses() -> None:
     parts = [sr.Integral("energy.kinetic"), sr.Maximum("slider.velocity.x"), sr.Final("slider.x")]
     mixed = sr.Combined(lambda e, top, last: np.sqrt(e) / (top - last) ** 2, parts, name="mixed")
     names, equal = ["spring.k", "rod.mass"], sr.HHT(step=2e-3)
-    p = sr.Problem(slider_crank(), mixed, names, until=0.9, method=replace(equal, rtol=1e-9))
+    p = sr.Problem(slider_crank(), mixed, names, until=0.9, method=replace(equal, rtol=1e-11))
     direction, e = np.array([1.0, -0.1]), 3e-3
     ends = [p.gradient(p.x0 + d * direction).matrix[0] for d in (e, -e)]
     assert np.allclose(p.hvp(p.x0, direction), (ends[0] - ends[1]) / (2 * e), rtol=1e-4)

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from ..errors import ModelError
 from ..show import quote
-from .parser import parse
-from .tree import Expression
+from .parser import parse, parse_expression
+from .tree import Expression, Name
 from .units import fits, unit_of
 
 
@@ -27,7 +27,8 @@ def quantity(text: str, unit: str | None) -> float:
     ModelError
         If it is no number, or in a unit of another kind.
     """
-    return quantity_of(parse(text), unit, text).value
+    tree = parse(text)
+    return quantity_of(tree if isinstance(tree, Name) else parse_expression(text), unit, text).value
 
 
 def quantity_of(tree: Expression, unit: str | None, text: str = "") -> Quantity:

@@ -50,7 +50,7 @@ class StepControl:
         for name in ("max_step", "first_step"):
             value = TEXTS[name](name, getattr(self, name))
             object.__setattr__(self, name, value)
-            if value is not None:
+            if value is not None or name == "max_step":
                 CHECKS[name](name, value)
 
 

@@ -50,7 +50,7 @@ BUDGETS = {
     "results": Size(2520, 38, 12, 0),
     "studies": Size(1802, 15, 12, 0),
     "system": Size(1953, 24, 24, 1),
-    "vehicles": Size(1976, 18, 18, 0),
+    "vehicles": Size(1975, 18, 18, 0),
     "views": Size(3101, 37, 47, 0),
 }
 

@@ -9,13 +9,13 @@ import numpy as np
 from ..analyses.equilibria.state_space import linearize
 from ..analyses.sensitivity.responses.responses import At, Maximum
 from ..model import SarrusError
-from ..model.checks.arguments import Number, NumberIn, Numbers, checked_by
+from ..model.checks.arguments import NumberIn, Numbers, checked_by
 from ..results import Trajectory
 from ..results.state_space import StateSpace
 from ..system import System
 from .handling import CAR
 from .lane_change import PATH, SPACING, with_driver
-from .limits import ANGLE, ANGULAR_RATE, DURATION, LENGTH, POSITIVE, SPEED, START
+from .limits import ANGLE, ANGULAR_RATE, DRIVER, DURATION, LENGTH, POSITIVE, SPEED, START
 from .manoeuvre import (
     Manoeuvre,
     Measured,
@@ -100,10 +100,7 @@ def steady_state_cornering(
     levels=Numbers(2),
     wheelbase=LENGTH,
     steering_ratio=POSITIVE,
-    preview=NumberIn("m", Number(0.0)),
-    gain=Number(),
-    curvature_gain=Number(),
-    lag=DURATION,
+    **DRIVER,
     at=DURATION,
 )
 def constant_radius_cornering(
@@ -160,7 +157,6 @@ def constant_radius_cornering(
         message = "radius must not be 0, and levels must be positive and rise to lateral_acceleration"
         given = f"{radius=:g}, {levels=}, {lateral_acceleration=:g}"
         raise SarrusError(f"{system.name}: {message}. Change {given}.")
-    names.refuse_missing(system, [names.steer])
     first, size, side = low / 2, abs(radius), float(np.sign(radius))
     speed, begin, rise = (size * first) ** 0.5, 3 * at, (lateral_acceleration - first) / rate
     inputs = {names.speed: f"sqrt({size}*({first} + {rate}*min(max(t - {begin}, 0), {rise})))"}

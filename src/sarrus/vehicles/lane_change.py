@@ -12,11 +12,11 @@ import numpy as np
 from ..analyses.dynamics.events.events import Event
 from ..analyses.sensitivity.responses.responses import At, Final, Maximum, Minimum
 from ..model import FirstOrderLag, PathFollower, SarrusError
-from ..model.checks.arguments import Number, NumberIn, Numbers, checked_by
+from ..model.checks.arguments import Numbers, checked_by
 from ..model.states.input import Input
 from ..system import System
 from .handling import CAR
-from .limits import DURATION, LENGTH, SPEED, START
+from .limits import DRIVER, LENGTH, SPEED, START
 from .manoeuvre import Manoeuvre, Metric, VehicleNames, driven, histories, judged, named
 
 SPACING = 4.0  # [m] of the points of the path
@@ -113,10 +113,7 @@ class Cones:
     width=LENGTH,
     length=Numbers(2),
     overlap=LENGTH,
-    preview=NumberIn("m", Number(0.0)),
-    gain=Number(),
-    curvature_gain=Number(),
-    lag=DURATION,
+    **DRIVER,
     at=START,
 )
 def double_lane_change(
@@ -172,7 +169,6 @@ def double_lane_change(
         message = f"{system.name}: length must be x of the front and of the rear end, got {length}"
         raise SarrusError(f"{message}. Give the greater one first.")
     track, ahead = TRACKS[standard], at * speed
-    names.refuse_missing(system, [names.steer])
     cones = [one._replace(begin=one.begin + ahead, end=one.end + ahead) for one in track.lanes(width)]
     overlap = track.overlap if overlap is None else overlap
     path = path_through(cones, ahead + 5 * preview, overlap)
@@ -216,7 +212,13 @@ def with_driver(
     """The system with a driver who follows a path in place of the input of the steering wheel.
 
     T δ̇ = k_c κ − k e − δ, with the deviation e and the curvature κ of the path at a point in front of the chassis.
+
+    Raises
+    ------
+    SarrusError
+        If the system has no such input.
     """
+    names.refuse_missing(system, [names.steer])
     others = [one for one in system.model.forces if not (isinstance(one, Input) and one.name == names.steer)]
     angle = f"{curvature_gain}*{PATH}.curvature - {gain}*{PATH}.deviation"
     model = replace(system.model, forces=others).adding(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.studies.suspension import read_suspension_file
 
 OTHER = {"front": "rear", "rear": "front"}
 SHARE = {"front": 0.68, "rear": 0.32}
@@ -56,6 +57,16 @@ def test_the_axles_are_those_of_a_passenger_car() -> None:
     assert 10 < axle("rear").at("anti_lift") < 40
     assert 3 < np.degrees(axle("front").at("caster")) < 7
     assert 0.01 < axle("front").at("caster_trail") < 0.03
+
+
+def test_the_section_rig_of_the_file_is_the_front_axle() -> None:
+    """Its corner is given by hardpoints, that of these tests by coordinates."""
+    found = read_suspension_file("car", sr.load).analysed()
+    assert found.success, found.message
+    for name in ("toe", "camber", "scrub_radius", "roll_centre_height", "anti_dive", "spring_ratio"):
+        assert found[name] == pytest.approx(axle("front")[name], rel=1e-9, abs=1e-12)
+    moved = found.sensitivity("scrub_radius", wrt=["front_wheel.y"])
+    assert moved.matrix == pytest.approx(1.0, rel=1e-9)  # A moves with the wheel, and the steering axis does not
 
 
 def test_both_sides_are_mirror_images() -> None:

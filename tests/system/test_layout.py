@@ -4,13 +4,21 @@ import ast
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from tests.states.motors import motor
 
 import sarrus as sr
-from sarrus.system.layout import POSITION, ROTATION, STATES
+from sarrus.algebra import Array
+from sarrus.elements import OPERATORS, Force
+from sarrus.elements.element import POSITION, RIGID, ROTATION, Kind, Scalar, Vec3
+from sarrus.model.expansion.blueprint import Placement
+from sarrus.system.layout import STATES
+from sarrus.system.structure.group import Group
+from sarrus.system.structure.pattern import Axes
+from sarrus.system.structure.population import populate
 
 SOURCE = Path(sr.__file__).parent
 OPERATIONS = (ast.Mult, ast.Div, ast.FloorDiv, ast.Mod)
@@ -28,15 +36,7 @@ POLYNOMIALS = {
     "model/laws/path.py": 3,
 }  # whose sevens have nothing to do with bodies
 LEFT = {
-    "analyses/equations/joint_wrenches.py": 10,
     "analyses/equations/minimum_norm.py": 4,
-    "elements/element.py": 1,
-    "elements/evaluation.py": 1,
-    "elements/recorder.py": 2,
-    "system/check.py": 2,
-    "system/curves/lanes.py": 2,
-    "system/operators/reactions.py": 2,
-    "system/system.py": 1,
 }  # files that compute with the width of a body: the list may only shrink
 
 
@@ -129,6 +129,71 @@ def test_units_of_all_coordinates() -> None:
     assert [*layout.scales(2.5)] == [block.scale(2.5) for block in layout.blocks for _ in range(block.width)]
     norms = np.linalg.norm(sr.System(motor()).q0[layout.rotations], axis=1)
     assert norms == pytest.approx(1.0)
+
+
+MODES = Kind("modes", tuple(f"q{n}" for n in range(5)), False)
+
+
+def potential(q: Any, k: float, s: Any) -> Any:
+    """k/2 (r_z + s · e)² (w · w)² + w_0 w_4 r_x, with the amplitudes w of five modes behind r and p."""
+    r, e, w = q[:3], q[4:7], q[7:]
+    return 0.5 * k * (r[2] + s @ e) ** 2 * (w @ w) ** 2 + w[0] * w[4] * r[0]
+
+
+class Stiffening(Force, bodies=2, derivatives="automatic", registered=False):
+    """The force of this potential, between a body and modes."""
+
+    s: Vec3
+    k: Scalar
+
+    @classmethod
+    def owners(cls) -> tuple[tuple[Kind, ...], ...]:
+        return RIGID, (MODES,)
+
+    def Q(self, x: Any, v: Any, t: Any) -> Any:
+        r, p, w = x
+        stretch, square = r[2] + self.s @ p[1:], w @ w
+        force = -self.k * stretch * square**2
+        by_r = np.array([-w[0] * w[4], 0, force])
+        by_p = np.concatenate([[0], force * self.s])
+        ends = np.array([w[4] * r[0], 0, 0, 0, w[0] * r[0]])
+        return by_r, by_p, -2 * self.k * stretch**2 * square * w - ends
+
+
+def test_an_element_touches_blocks_of_other_widths() -> None:
+    """Q and Q_q between bodies and modes, against complex steps of the potential and of Q."""
+    random, widths = np.random.default_rng(3), np.array([3, 4, 5, 3, 4, 5])
+    values = [(random.normal(size=3), 1.7), (random.normal(size=3), 0.6)]
+    placed = [
+        Placement(Stiffening, bodies, own, "stiff", "")
+        for bodies, own in zip([(1, 2), (3, 4)], values, strict=True)
+    ]
+    populations, numbers = populate(placed, np.array([0, 7, 12, 19]))
+    axes = Axes(populations, widths, 0, len(numbers))
+    q, v = random.normal(size=(2, widths.sum()))
+
+    def called(name: str) -> tuple[Any, Array]:
+        pattern = axes.pattern(OPERATORS[name])
+        group, found = Group((name,), populations, [pattern]), np.zeros(pattern.size)
+        operands = {"q": q, "v": v, "t": 0.0}
+        group.run(numbers, *(operands[one] for one in group.operands), found)
+        return pattern, found
+
+    def force(q: Any) -> Any:
+        steps = 1e-30j * np.eye(12)
+        each = [[-potential(part + h, k, s).imag * 1e30 for h in steps] for part, (s, k) in parts(q)]
+        return np.concatenate(each)
+
+    def parts(q: Any) -> Iterator[Any]:
+        return zip(np.split(q, 2), [(s, k) for s, k in values], strict=True)
+
+    assert called("Q")[1] == pytest.approx(force(q), rel=1e-13, abs=1e-13)
+    pattern, found = called("Q_q")
+    dense = pattern.matrix(found).toarray()
+    h = 1e-5
+    differences = [(force(q + h * e) - force(q - h * e)) / (2 * h) for e in np.eye(24)]
+    assert dense == pytest.approx(np.array(differences).T, rel=1e-7, abs=1e-7)
+    assert dense == pytest.approx(dense.T, rel=1e-13)
 
 
 if __name__ == "__main__":

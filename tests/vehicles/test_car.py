@@ -66,7 +66,9 @@ def test_the_section_rig_of_the_file_is_the_front_axle() -> None:
     for name in ("toe", "camber", "scrub_radius", "roll_centre_height", "anti_dive", "spring_ratio"):
         assert found[name] == pytest.approx(axle("front")[name], rel=1e-9, abs=1e-12)
     moved = found.sensitivity("scrub_radius", wrt=["front_wheel.y"])
-    assert moved.matrix == pytest.approx(1.0, rel=1e-9)  # A moves with the wheel, and the steering axis does not
+    assert moved.matrix == pytest.approx(
+        1.0, rel=1e-9
+    )  # A moves with the wheel, and the steering axis does not
 
 
 def test_both_sides_are_mirror_images() -> None:

@@ -60,6 +60,28 @@ class Validity(NamedTuple):
     remedy: str
 
 
+class Kind(NamedTuple):
+    """What a block of coordinates is.
+
+    Attributes
+    ----------
+    name : of the kind
+    parts : names of the coordinates
+    is_length : whether norms and tolerances divide the coordinates by a length of the system
+    ground : coordinates of the fixed body
+    """
+
+    name: str
+    parts: tuple[str, ...]
+    is_length: bool
+    ground: tuple[float, ...] = ()
+
+
+POSITION = Kind("position", ("r.x", "r.y", "r.z"), True, (0, 0, 0))
+ROTATION = Kind("rotation", ("p.e0", "p.e1", "p.e2", "p.e3"), False, (1, 0, 0, 0))
+RIGID = (POSITION, ROTATION)  # the blocks of a rigid body
+
+
 class Pair(NamedTuple):
     """Coordinates of two bodies, or a direction in them: the paper's partition of a 14-vector."""
 
@@ -147,9 +169,14 @@ class Element:
         return sum(WIDTHS[kind] for kind in cls.fields.values())
 
     @classmethod
+    def owners(cls) -> tuple[tuple[Kind, ...], ...]:
+        """The kinds of the blocks that it touches, for each owner, which is a body."""
+        return (RIGID,) * cls.bodies
+
+    @classmethod
     def coordinates(cls) -> tuple[int, ...]:
         """Widths of the blocks of coordinates: 3, 4 (one body) or 3, 4, 3, 4."""
-        return (3, 4) * cls.bodies
+        return tuple(len(kind.parts) for blocks in cls.owners() for kind in blocks)
 
     @classmethod
     def widths(cls) -> tuple[int, ...]:

@@ -10,11 +10,12 @@ import numpy as np
 from .._jit.formulas.expression import Graph
 from ..algebra import Array, Block
 from .curve import StoredCurve
-from .element import Element, ElementError, Pair, Single
+from .element import RIGID, Element, ElementError, Pair, Single
 from .operators import Axis, Operator
 from .surface import StoredSurface
 
 STORED = {"Curve": StoredCurve, "Surface": StoredSurface}
+NAMED: dict[Any, Any] = {(RIGID,): Single, (RIGID, RIGID): Pair}
 BODY_OPERANDS = ("q", "xi", "eta", "v", "a")
 
 
@@ -33,14 +34,14 @@ def element_from(kind: type[Element], numbers: Array, store: Any = None, t: Any 
 
 
 def partition(kind: type[Element], vector: Array) -> Any:
-    """Flat coordinates (or a direction in them) by blocks: `Single`, `Pair`, or for more bodies a plain tuple."""
+    """Flat coordinates (or a direction in them) by blocks: `Single`, `Pair`, or for others a plain tuple."""
     parts = np.split(vector, np.cumsum(kind.coordinates())[:-1])
-    return {1: Single, 2: Pair}[kind.bodies](*parts) if kind.bodies <= 2 else tuple(parts)
+    return NAMED[kind.owners()](*parts) if kind.owners() in NAMED else tuple(parts)
 
 
 def symbols(graph: Graph, kind: type[Element]) -> tuple[Element, dict[str, Any]]:
     """An element of recorded numbers, and recorded operands: vectors by their places, ``("q", 3)``."""
-    operands: dict[str, Any] = {name: graph.inputs(name, 7 * kind.bodies) for name in BODY_OPERANDS}
+    operands: dict[str, Any] = {name: graph.inputs(name, sum(kind.coordinates())) for name in BODY_OPERANDS}
     operands |= {"lam": graph.inputs("lam", kind.rows), "t": graph.input("t")}
     operands["numbers"] = graph.inputs("numbers", kind.size())
     return element_from(kind, operands["numbers"], t=operands["t"]), operands

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -12,12 +12,12 @@ import numpy as np
 from .._jit.formulas.expression import Expression, Graph
 from .._jit.kernels.emit import Output, Recording
 from ..algebra import Array
-from .element import Element, ElementError
+from .element import RIGID, Element, ElementError, Kind
 from .evaluation import BODY_OPERANDS, element_from, grid, partition
 from .operators import ALIASES, OPERATORS, Axis, Operator
 
 SCALARS = ("t",)
-GROUND = (0, 0, 0, 1, 0, 0, 0)
+GROUND = tuple(x for kind in RIGID for x in kind.ground)
 
 
 def operands_of(names: tuple[str, ...]) -> tuple[str, ...]:
@@ -49,9 +49,59 @@ class Variant:
         """How many moving bodies it has."""
         return max(self.slots) + 1
 
+    @cached_property
+    def owners(self) -> tuple[tuple[Kind, ...], ...]:
+        """The kinds of the blocks of each moving body."""
+        blocks = dict(zip(self.slots, self.kind.owners(), strict=True))
+        return tuple(blocks[slot] for slot in range(self.moving))
+
+    @cached_property
+    def widths(self) -> tuple[int, ...]:
+        """How many coordinates each moving body has."""
+        return tuple(sum(len(kind.parts) for kind in blocks) for blocks in self.owners)
+
+    @cached_property
+    def blocks(self) -> tuple[tuple[int, int], ...]:
+        """All blocks of the moving bodies: which body, and where in its coordinates the block begins."""
+        return tuple(place for slot, blocks in enumerate(self.owners) for place in _places(slot, blocks))
+
+    @cached_property
+    def pieces(self) -> tuple[int, ...]:
+        """For each block that the kind touches, its place among those of the moving bodies; negative for ground."""
+        touched = zip(self.slots, self.kind.owners(), strict=True)
+        places = [place for slot, blocks in touched for place in _places(slot, blocks)]
+        return tuple(self.blocks.index(place) if place[0] >= 0 else -1 for place in places)
+
+    def inputs(self, graph: Graph, name: str) -> Array:
+        """Inputs for the coordinates of all moving bodies, or for a direction in them."""
+        places = [(slot, n) for slot, width in enumerate(self.widths) for n in range(width)]
+        return np.array([graph.input(name, *place) for place in places], dtype=object)
+
+    def split(self, flat: Array | list[Any]) -> list[Array]:
+        """One vector for each moving body, from one for all of them."""
+        return np.split(np.array(flat, dtype=object), np.cumsum(self.widths)[:-1]) if self.widths else []
+
+    def gathered(self, flat: Array, name: str) -> Array:
+        """Coordinates of all bodies that the kind has, or a direction in them, from those of the moving ones."""
+        parts = self.split(flat)
+        ground = [
+            [x if name == "q" else 0 for kind in blocks for x in kind.ground] for blocks in self.kind.owners()
+        ]
+        return np.concatenate(
+            [
+                parts[slot] if slot >= 0 else np.array(rest, dtype=object)
+                for slot, rest in zip(self.slots, ground, strict=True)
+            ]
+        )
+
     @property
     def name(self) -> str:
         return "_".join([self.kind.__name__, *("g" if slot < 0 else str(slot) for slot in self.slots)])
+
+
+def _places(slot: int, blocks: Sequence[Kind]) -> list[tuple[int, int]]:
+    """The blocks of a body, and where each begins."""
+    return [(slot, sum(len(kind.parts) for kind in blocks[:n])) for n in range(len(blocks))]
 
 
 def distinct(bodies: Sequence[int]) -> list[int]:
@@ -139,10 +189,7 @@ def _symbols(graph: Graph, variant: Variant, name: str) -> Any:
         return graph.input(name)
     if name not in BODY_OPERANDS:
         return graph.inputs(name, variant.kind.rows)
-    symbols = graph.inputs(name, variant.moving, 7)
-    ground = GROUND if name == "q" else (0,) * 7
-    rows = [np.array(ground, dtype=object) if slot < 0 else symbols[slot] for slot in variant.slots]
-    return np.concatenate(rows)
+    return variant.gathered(variant.inputs(graph, name), name)
 
 
 def _blocks(
@@ -153,15 +200,13 @@ def _blocks(
     found: dict[tuple[int, int], Array] = {}
     for m, line in enumerate(grid(element, operator, operands)):
         for n, block in enumerate(line):
-            place = _piece(variant, row_axis, m), _piece(variant, column_axis, n)
+            place = (
+                variant.pieces[m] if row_axis is Axis.COORDINATES else m,
+                variant.pieces[n] if column_axis is Axis.COORDINATES else n,
+            )
             if block is not None and min(place) >= 0:
                 found[place] = found[place] + block if place in found else block
     return {place: block for place, block in found.items() if not is_zero(block)}
-
-
-def _piece(variant: Variant, axis: Axis, piece: int) -> int:
-    """A piece of an axis, counted over the moving bodies; negative for ground."""
-    return 2 * variant.slots[piece // 2] + piece % 2 if axis is Axis.COORDINATES else piece
 
 
 def is_zero(block: Array) -> bool:

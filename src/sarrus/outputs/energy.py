@@ -25,12 +25,11 @@ from ..elements import Force
 from ..elements.evaluation import element_from
 from ..elements.operators import OPERATORS
 from ..elements.recorder import Variant
-from ..model.coordinates import WIDTH, by_body, slice_of
 from ..model.states.block import StateInertia
 from ..model.tape import Tracer, whole
 from ..system import System
 from ..system.cached import once
-from ..system.curves.lanes import Recipe, aligned, block, entry, inputs, local, used
+from ..system.curves.lanes import Recipe, aligned, block, entry, local, used
 from ..system.structure.population import Population
 from .recording import Recording
 
@@ -97,7 +96,7 @@ def plain(p: Population) -> bool:
 def recorded(variant: Variant, energy: Energy) -> RecordedEnergy:
     """½ vᵀ M v, or the sum of what `potential` returns."""
     graph, kind = Graph(), variant.kind
-    q, v = (inputs(graph, variant, name) for name in OPERANDS)
+    q, v = (variant.inputs(graph, name) for name in OPERANDS)
     numbers = graph.inputs("numbers", kind.size())
     element: Any = element_from(kind, numbers, t=graph.input("t"))
     x, rate = local(variant, q, "q"), local(variant, v, "v")
@@ -129,8 +128,9 @@ class MotionEnergy:
     def __init__(self, system: System, energy: Energy, b: Array, t: Array, q: Array, v: Array) -> None:
         self._system, self._energy, self._b, self._count = system, energy, b, len(t)
         own = [p for p in members(system, energy) if plain(p)]
-        bodies = [first + np.arange(WIDTH) for p in own for first in np.unique(p.bodies)]
-        self.coordinates = np.unique(np.concatenate([np.zeros(0, np.int64), *bodies]))
+        self.coordinates = np.unique(
+            np.concatenate([np.zeros(0, np.int64), *(p.coordinates.ravel() for p in own)])
+        )
         self.numbers = np.concatenate([np.zeros(0, np.int64), *(np.arange(p.at, p.end) for p in own)])
         self._motion = [in_lanes(x) for x in (t[:, None], q, v)]
         value = self._zeros(1)
@@ -203,7 +203,7 @@ def _slopes(variant: Variant, energy: Energy) -> emit.Recording:
 def _gradients_along(variant: Variant, energy: Energy) -> emit.Recording:
     one = recorded(variant, energy)
     graph, taken = one.graph, [*one.q.flat, *one.v.flat, *one.numbers]
-    dots = [inputs(graph, variant, name) for name in DOTS[:2]]
+    dots = [variant.inputs(graph, name) for name in DOTS[:2]]
     moved = [*dots[0].flat, *dots[1].flat, *graph.inputs(NUMBERS_DOT, len(one.numbers))]
     slopes = graph.expressions(_gradient(one))
     change = directional(graph, slopes, list(zip(taken, moved, strict=True)))
@@ -218,8 +218,8 @@ def _recording(
     variant: Variant, energy: Energy, graph: Graph, arrays: tuple[str, ...], first: list[list[Array]], by: list[Any]
 ) -> emit.Recording:  # fmt: skip
     """Return the recorded functions of some outputs by coordinates, rates and parameters."""
-    size, cut = variant.kind.size(), slice_of(variant.moving).start
-    bodies = [list(by_body(np.array(part, dtype=object))) for part in (by[:cut], by[cut : 2 * cut])]
+    size, cut = variant.kind.size(), sum(variant.widths)
+    bodies = [variant.split(part) for part in (by[:cut], by[cut : 2 * cut])]
     found = emit.Recording(f"{variant.name}.{energy}", graph, variant.moving, size, arrays, ("t",))
     found.outputs += [emit.Output(blocks, True) for blocks in (*first, *bodies, block(by[2 * cut :]))]
     return found

@@ -19,8 +19,7 @@ from ..console import printable
 from ..elements import OPERATORS, Operator
 from ..elements.evaluation import BODY_OPERANDS, dense, element_from
 from ..elements.operators import DERIVATIVES, Axis
-from ..model.coordinates import WIDTH
-from .structure.population import GROUND, Population, firsts, local
+from .structure.population import GROUND, Population, local, owners
 
 STEP = 1e-200  # of the complex step: far below round-off, so that its square vanishes
 TOLERANCE = 1e-9  # relative to the largest term of the block
@@ -212,7 +211,7 @@ def _size(system: Any, operator: Operator, scale: Array) -> Array:
 def _operands(p: Population, k: int, state: dict[str, Any]) -> dict[str, Any]:
     """The operands of element k."""
 
-    rest = np.zeros(WIDTH)
+    rest = np.zeros_like(GROUND)
     there = {key: local(p, k, state[key], GROUND if key == "q" else rest) for key in BODY_OPERANDS}
     first = p.rows[k] if p.kind.rows else 0
     return {**there, "lam": state["lam"][first : first + p.kind.rows], "t": state["t"]}
@@ -227,7 +226,7 @@ def _places(operator: Operator, p: Population, k: int) -> tuple[Array, Array]:
         if axis is Axis.PARAMETERS:
             return p.at + k * p.kind.size() + np.arange(p.kind.size())
         return np.concatenate(
-            [np.arange(f, f + WIDTH) if f >= 0 else np.full(WIDTH, -1) for f in firsts(p, k)]
+            [np.arange(f, f + width) if f >= 0 else np.full(width, -1) for f, width in owners(p, k)]
         )
 
     return along(operator.axes[0]), along(operator.axes[1]) if not operator.is_vector else np.zeros(

@@ -10,26 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..algebra import Array
+from ..elements.element import POSITION, ROTATION, Kind
 from ..model.coordinates import WIDTH
 
-
-class Kind(NamedTuple):
-    """What a block of coordinates is.
-
-    Attributes
-    ----------
-    name : of the kind
-    parts : names of the coordinates
-    is_length : whether norms and tolerances divide the coordinates by a length of the system
-    """
-
-    name: str
-    parts: tuple[str, ...]
-    is_length: bool
-
-
-POSITION = Kind("position", ("r.x", "r.y", "r.z"), True)
-ROTATION = Kind("rotation", ("p.e0", "p.e1", "p.e2", "p.e3"), False)
 STATES = Kind("states", POSITION.parts, True)  # first-order states: displacements of a hidden body
 
 

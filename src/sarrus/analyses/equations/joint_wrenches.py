@@ -20,7 +20,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ...algebra import Array
-from ...model.coordinates import WIDTH
+from ...model.coordinates import WIDTH, by_body, slice_of
 from ...system import System
 from ...system.cached import once
 from ...system.layout import Layout
@@ -94,9 +94,10 @@ def supports(system: System) -> Supports:
     weight = [float(bool(owner) and first < system.moving) / count[owner] for owner, first in index]
     pattern, radius = system.pattern("Phi_q"), radius_of_gyration(system)
     of = np.repeat(rows, np.diff(pattern.indptr))
+    firsts_of = system.layout.firsts[system.layout.owner_of[pattern.indices]].tolist()
     columns = [
-        WIDTH * index[owner, c - c % WIDTH] + c % WIDTH
-        for owner, c in zip(of, pattern.indices.tolist(), strict=True)
+        slice_of(index[owner, first]).start + c - first
+        for owner, c, first in zip(of, pattern.indices.tolist(), firsts_of, strict=True)
     ]
     return Supports(
         np.array([first for _, first in index], dtype=np.int64), point, np.array(weight), np.array(columns, np.int64),
@@ -122,9 +123,10 @@ def separated(system: System) -> System:
 
     def moved(p: Population) -> Population:
         pairs = [
-            [index[owner, int(first)] for first in row] for owner, row in zip(p.owners, p.bodies, strict=True)
+            [slice_of(index[owner, int(first)]).start for first in row]
+            for owner, row in zip(p.owners, p.bodies, strict=True)
         ]
-        return replace(p, bodies=WIDTH * np.array(pairs, dtype=np.int64).reshape(p.bodies.shape))
+        return replace(p, bodies=np.array(pairs, dtype=np.int64).reshape(p.bodies.shape))
 
     found.populations = [moved(p) for p in system.populations if p.kind.rows]
     found.layout = Layout.of([f"{owner}.{first}" for owner, first in index])
@@ -145,7 +147,7 @@ class Wrenches:
 
     def __init__(self, system: System, J: csr_array, q: Array, b: Array) -> None:
         self.of = supports(system)
-        shape = system.m, WIDTH * len(self.of.body)
+        shape = system.m, slice_of(len(self.of.body)).start
         self.J = csr_array((J.data, self.of.columns, J.indptr), shape=shape)
         self._q, self._b = self.of.copies(q), b
 
@@ -193,7 +195,7 @@ class Wrenches:
 
 def _parts(of: Supports, q: Array, b: Array, y: Array) -> tuple[Array, Array]:
     """F and M = ½ E(p) y_p - A s × F of generalized forces (7 c,), (c, 3) each."""
-    p, y, s = q.reshape(-1, WIDTH)[:, 3:], y.reshape(-1, WIDTH), of.arms(b)
+    p, y, s = by_body(q)[:, 3:], by_body(y), of.arms(b)
     (e0, e), (y0, ye), F = (p[:, :1], p[:, 1:]), (y[:, 3:4], y[:, 4:]), y[:, :3]
     a = s + 2 * np.cross(e, np.cross(e, s) + e0 * s)
     return F, 0.5 * (np.cross(e, ye) + e0 * ye - y0 * e) - np.cross(a, F)
@@ -201,7 +203,7 @@ def _parts(of: Supports, q: Array, b: Array, y: Array) -> tuple[Array, Array]:
 
 def deflections(of: Supports, q: Array, b: Array, y: Array) -> Array:
     """K y, the gradient of ½ w (L² |F|² + |M|²) by y (7 c,)."""
-    p, s, (F, M) = q.reshape(-1, WIDTH)[:, 3:], of.arms(b), _parts(of, q, b, y)
+    p, s, (F, M) = by_body(q)[:, 3:], of.arms(b), _parts(of, q, b, y)
     e0, e = p[:, :1], p[:, 1:]
     a = s + 2 * np.cross(e, np.cross(e, s) + e0 * s)
     by_F = of.length_2(b)[0] * F + np.cross(a, M)
@@ -211,14 +213,14 @@ def deflections(of: Supports, q: Array, b: Array, y: Array) -> Array:
 
 def norm_gradients(of: Supports, q: Array, b: Array, y1: Array, y2: Array) -> tuple[Array, Array]:
     """Gradients of y1ᵀ K(q, b) y2 by q (7 c,) and b."""
-    p, s, w = q.reshape(-1, WIDTH)[:, 3:], of.arms(b), of.weight[:, None]
+    p, s, w = by_body(q)[:, 3:], of.arms(b), of.weight[:, None]
     e0, e = p[:, :1], p[:, 1:]
     (F1, M1), (F2, M2) = (_parts(of, q, b, y) for y in (y1, y2))
     g = w * (np.cross(M2, F1) + np.cross(M1, F2))  # by A s
     by_e0 = 2 * _dot(g, np.cross(e, s))
     by_e = 2 * (e0 * np.cross(s, g) + s * _dot(e, g) + g * _dot(e, s) - 2 * e * _dot(s, g))
     for y, M in ((y1, w * M2), (y2, w * M1)):
-        y0, ye = (x := y.reshape(-1, WIDTH))[:, 3:4], x[:, 4:]
+        y0, ye = (x := by_body(y))[:, 3:4], x[:, 4:]
         by_e0, by_e = by_e0 + 0.5 * _dot(ye, M), by_e + 0.5 * (np.cross(ye, M) - y0 * M)
     by_s = g + 2 * (e0 * np.cross(g, e) + e * _dot(e, g) - g * _dot(e, e))
     by_b = of.length_2(b)[1] * np.sum(w * F1 * F2)

@@ -12,13 +12,13 @@ import numpy as np
 
 from ...algebra import Array
 from ...deferred import estimator, renderer, saver
+from ...elements.element import POSITION
 from ...model.checks.arguments import CHECKS, checked
 from ...model.read_only import read_only
 from ...outputs import outputs_of
 from ...outputs.motion import Series, series
 from ...outputs.output import UnknownOutput, components, short, unknown_output
 from ...system import JointCoordinates, System
-from ...system.layout import POSITION
 from ..result import Result, values_of
 from ..saving.exported_file import exports
 from .energy_balance import EnergyBalance, energy_balance

@@ -247,7 +247,8 @@ class CurveDerivatives:
         """The row of a component of a block."""
         if OPERATORS[name].axes[0] is Axis.ROWS:
             return int(p.rows[k]) + entry
-        return int(p.bodies[k, block // 2]) + (3 if block % 2 else 0) + entry
+        slot, offset = p.variant.blocks[block]
+        return int(p.bodies[k, slot]) + offset + entry
 
     def _basis(self, p: Population, k: int, place: int, order: int, x: Array) -> tuple[Array, Array]:
         """Columns (parameters, nt) of a curve's parameters, and the derivatives of f⁽ᵒ⁾(x) by them (parameters, nt)."""

@@ -26,8 +26,7 @@ from ..._jit.linking.cache import stored_value
 from ...algebra import Array
 from ...elements import BUILT_IN
 from ...elements.evaluation import element_from, partition
-from ...elements.recorder import GROUND, Variant
-from ...model.coordinates import WIDTH
+from ...elements.recorder import Variant
 from ..structure.population import Population
 
 LINE = 64  # bytes that are read at once
@@ -78,22 +77,15 @@ def block(values: Sequence[Any]) -> list[Array]:
     return [np.array(values, dtype=object)] if len(values) else []
 
 
-def inputs(graph: Graph, variant: Variant, name: str) -> Array:
-    """Inputs for the coordinates of the moving bodies of an element, or a direction in them (bodies, 7)."""
-    return graph.inputs(name, variant.moving, WIDTH)
-
-
-def local(variant: Variant, symbols: Array, name: str) -> Any:
+def local(variant: Variant, flat: Array, name: str) -> Any:
     """Coordinates of an element's bodies, or a direction in them; some bodies may be the ground."""
-    ground = GROUND if name == "q" else [0 for _ in GROUND]
-    parts = [np.array(ground, dtype=object) if slot < 0 else symbols[slot] for slot in variant.slots]
-    return partition(variant.kind, np.concatenate(parts))
+    return partition(variant.kind, variant.gathered(flat, name))
 
 
 def recorded_element(variant: Variant, graph: Graph, numbers: Array) -> tuple[Any, tuple[Any, Any, Any]]:
     """An element with recorded numbers, and a recorded state of its bodies."""
     element = element_from(variant.kind, numbers, t=graph.input("t"))
-    x, v = (local(variant, inputs(graph, variant, name), name) for name in ("q", "v"))
+    x, v = (local(variant, variant.inputs(graph, name), name) for name in ("q", "v"))
     return element, (x, v, graph.input("t"))
 
 
@@ -205,7 +197,8 @@ def own_tables(p: Population) -> Array:
     What it computes along the coordinates of its bodies, and then along its equations, is put one after another.
     """
     bodies, numbers = p.bodies.reshape(p.count, -1), p.at + p.kind.size() * np.arange(p.count)
-    along = [(WIDTH * slot, 1) for slot in range(p.variant.moving + bool(p.kind.rows))]
+    ends = np.cumsum([0, *p.variant.widths])
+    along = [(at, 1) for at in (ends if p.kind.rows else ends[:-1])]
     first = HEADER + 2
     header = [1, first, first + bodies.shape[1], first + bodies.shape[1] + 1, 0]
     header[4] = header[3] + 2 * p.variant.moving
@@ -216,8 +209,7 @@ def own_tables(p: Population) -> Array:
 
 def own_rows(p: Population, nq: int) -> Array:
     """Which equations the results of `own_tables` belong to (count, results), those of constraints after all others."""
-    coordinates = (p.bodies.reshape(p.count, -1, 1) + np.arange(WIDTH)).reshape(p.count, -1)
-    return np.concatenate([coordinates, nq + p.rows.reshape(-1, 1) + np.arange(p.kind.rows)], axis=1)
+    return np.concatenate([p.coordinates, nq + p.rows.reshape(-1, 1) + np.arange(p.kind.rows)], axis=1)
 
 
 def _place(first: Array) -> Array:

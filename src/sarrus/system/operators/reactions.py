@@ -9,7 +9,7 @@ import numpy as np
 from ...algebra import Array, cross
 from ...elements.evaluation import element_from, partition
 from ...euler import A, E
-from ...model.coordinates import WIDTH
+from ...model.coordinates import POSITION
 from ...model.expansion.marker import Marker
 from ..structure.population import GROUND, firsts, local
 
@@ -54,22 +54,18 @@ def wrench(system: Any, marker: Marker, rows: Array, q: Array, lam: Array, t: fl
 
 def _of_coupling(system: Any, body: str, rows: Array, q: Array, lam: Array) -> Array:
     """Φ_qᵀ lam (7,) of a coupling on a body, also on the ground, through all joints that it couples."""
-    found, place = np.zeros(WIDTH), system.coordinates_of(body).start if body in system.bodies else -WIDTH
+    found, place = np.zeros_like(GROUND), system.coordinates_of(body).start if body in system.bodies else -1
+    parts = found[:POSITION], found[POSITION:]
     for p in system.populations:
         for k in np.flatnonzero(np.isin(p.rows, rows)).tolist() if p.kind.rows else ():
             at, own = p.at + k * p.kind.size(), p.rows[k] + np.arange(p.kind.rows)
             element: Any = element_from(p.kind, system.b[at : at + p.kind.size()], system.b)
             blocks = element.Phi_qT_lam(partition(p.kind, local(p, k, q, GROUND)), lam[own])
             for n, first in enumerate(firsts(p, k)):
-                if first == place:
-                    found += np.concatenate(_whole(blocks[2 * n : 2 * n + 2]))
+                for part, block in zip(parts, blocks[2 * n : 2 * n + 2], strict=True):
+                    if first == place and block is not None:
+                        part += block
     return found
-
-
-def _whole(blocks: Any) -> list[Array]:
-    """The blocks of r and p, zeros if there is none."""
-    sizes = (3, 4)
-    return [np.zeros(n) if x is None else np.asarray(x) for n, x in zip(sizes, blocks, strict=True)]
 
 
 def _coordinates(system: Any, body: str, q: Array) -> Array:

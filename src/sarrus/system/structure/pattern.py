@@ -96,7 +96,8 @@ class Axes:
             return p.constraints
         if axis is Axis.PARAMETERS:
             return self._first_number[n] + piece + len(p.kind.fields) * np.arange(p.count)
-        return np.searchsorted(self._coordinates.start, p.bodies[:, piece // 2]) + piece % 2
+        slot, offset = p.variant.blocks[piece]
+        return np.searchsorted(self._coordinates.start, p.bodies[:, slot] + offset)
 
     def pattern(self, operator: Operator) -> Pattern:
         """Pattern and positions of an operator over all populations of its family."""

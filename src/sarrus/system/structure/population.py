@@ -14,7 +14,6 @@ from ...elements import BUILT_IN, Element, Normalization, recorder
 from ...elements.element import WIDTHS
 from ...elements.recorder import Variant, distinct, variants
 from ...model import Curve, Formula, ModelError, Surface
-from ...model.coordinates import WIDTH
 from ...model.expansion.blueprint import Placement
 
 STEP = 3  # numbers that a step of a formula is stored as; one more may change the sign of a constant
@@ -58,6 +57,12 @@ class Population:
     @property
     def count(self) -> int:
         return len(self.bodies)
+
+    @property
+    def coordinates(self) -> Array:
+        """Indices of the coordinates of the moving bodies of each element (count, n)."""
+        parts = [self.bodies[:, [slot]] + np.arange(width) for slot, width in enumerate(self.variant.widths)]
+        return np.concatenate([np.zeros((self.count, 0), np.int64), *parts], axis=1)
 
     @property
     def end(self) -> int:
@@ -197,9 +202,15 @@ GROUND = np.array(recorder.GROUND, dtype=float)
 
 def local(p: Population, k: int, vector: Array, ground: Array) -> Array:
     """A vector of the system restricted to element k of a population; `ground` replaces the part of the fixed body."""
-    return np.concatenate([ground if f < 0 else vector[f : f + WIDTH] for f in firsts(p, k)])
+    return np.concatenate([ground if f < 0 else vector[f : f + width] for f, width in owners(p, k)])
 
 
 def firsts(p: Population, k: int) -> list[int]:
     """First coordinate of each body of element k, negative for the ground."""
-    return [-WIDTH if slot < 0 else int(p.bodies[k, slot]) for slot in p.variant.slots]
+    return [-1 if slot < 0 else int(p.bodies[k, slot]) for slot in p.variant.slots]
+
+
+def owners(p: Population, k: int) -> Iterator[tuple[int, int]]:
+    """First coordinate of each body of element k, negative for the ground, and how many it has."""
+    widths = (sum(len(kind.parts) for kind in blocks) for blocks in p.kind.owners())
+    return zip(firsts(p, k), widths, strict=True)

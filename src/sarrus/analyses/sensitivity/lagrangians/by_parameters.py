@@ -84,4 +84,4 @@ def _change(variant: Variant, kind: str) -> Recording:
     dots = share.graph.inputs(NUMBERS_DOT, variant.kind.size())
     pairs = [(x, dot) for x, dot, held in zip(share.numbers, dots, share.held, strict=True) if not held]
     found = directional(share.graph, equations, pairs)
-    return share.recording(CHANGES, [share.by_body(found[: len(xi)]), block(found[len(xi) :])])
+    return share.recording(CHANGES, [share.variant.split(found[: len(xi)]), block(found[len(xi) :])])

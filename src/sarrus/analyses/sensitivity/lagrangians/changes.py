@@ -61,7 +61,7 @@ def _record(variant: Variant, kind: str) -> Recording:
     assert len(pairs) == len(slopes) - size + len(free)
     change = directional(share.graph, slopes, pairs)
     cut = len(states) // len(STATES)
-    bodies = [share.by_body(change[n * cut : (n + 1) * cut]) for n in range(len(STATES))]
+    bodies = [share.variant.split(change[n * cut : (n + 1) * cut]) for n in range(len(STATES))]
     rest = change[len(states) :]
     rows, numbers = rest[: len(share.lam)], share.free(rest[len(share.lam) :])
     return share.recording(OPERANDS, [*bodies, block(rows), block(numbers)])

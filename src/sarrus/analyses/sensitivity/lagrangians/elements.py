@@ -15,8 +15,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from ...._jit.formulas.expression import Graph
 from ...._jit.kernels.emit import Output, Recording
 from ....algebra import Array
@@ -24,9 +22,8 @@ from ....elements import Force, Primitive
 from ....elements.derived import HELD
 from ....elements.evaluation import element_from
 from ....elements.recorder import Variant
-from ....model.coordinates import by_body
 from ....system import System
-from ....system.curves.lanes import inputs, local
+from ....system.curves.lanes import local
 from ....system.structure.population import Population
 
 STATES = ("q", "v", "a")  # operands of bodies besides ξ
@@ -48,8 +45,8 @@ class Share:
         self.held = [field in HELD for field, width in fields for _ in range(width)]
 
     def coordinates(self, name: str) -> Array:
-        """Inputs for the moving bodies (bodies, 7)."""
-        return inputs(self.graph, self.variant, name)
+        """Inputs for the coordinates of the moving bodies."""
+        return self.variant.inputs(self.graph, name)
 
     def rows(self, name: str) -> Array:
         """Inputs for the equations."""
@@ -65,10 +62,6 @@ class Share:
         found = Recording(f"{variant.name}.{self.kind}", self.graph, variant.moving, size, arrays, ("t",))
         found.outputs += [Output(own, True) for own in blocks]
         return found
-
-    def by_body(self, of_coordinates: Sequence[Any]) -> list[Array]:
-        """Return one block for each moving body."""
-        return list(by_body(np.array(of_coordinates, dtype=object)))
 
 
 def _share(element: Any, kind: str, x: dict[str, Any], lam: Array, nu: Array, t: Any) -> Any:

@@ -8,8 +8,9 @@ from itertools import product
 from ..model.expansion.blueprint import Placement, blueprint
 from ..model.geometry.points import AXES
 from ..system import System
+from ..system.structure.population import firsts
 from .output import Level, Output, among, calls, provides
-from .recording import bodies_of, members_of
+from .recording import members_of
 
 
 @provides
@@ -51,7 +52,7 @@ def _bodies(system: System, coupling: str) -> list[str]:
     if not system.marker(coupling).coupled:
         return []
     parts = [(p, k) for p in system.populations if p.kind.rows for k in members_of(p, coupling)]
-    found = {system.layout.owner_of[first] for p, k in parts for first in bodies_of(p, k) if first >= 0}
+    found = {system.layout.owner_of[first] for p, k in parts for first in firsts(p, k) if first >= 0}
     return [system.bodies[n] for n in sorted(found)]
 
 

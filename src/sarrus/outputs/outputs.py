@@ -16,10 +16,10 @@ from ..model.coordinates import WIDTH
 from ..model.geometry.points import GROUND, NEXT
 from ..model.signals import RelativeMotion
 from ..model.tape import Tracer, own
-from ..system.structure.population import Population
+from ..system.structure.population import Population, firsts
 from .energy import EnergyRecording
 from .output import UnknownOutput, find_output
-from .recording import bodies_of, members_of
+from .recording import members_of
 
 End: TypeAlias = tuple[str, Sequence[float]]  # a body, and a point of it
 
@@ -255,7 +255,7 @@ class Outputs(EnergyRecording):
         return self.shared(("action", part, body), lambda: self._recorded_action(part, body))
 
     def _recorded_action(self, part: str, body: str) -> tuple[Array, Array]:
-        first = -WIDTH if body == GROUND else self.system.coordinates_of(body).start
+        first = -1 if body == GROUND else self.system.coordinates_of(body).start
         members = [(p, k) for p in self.system.populations if p.kind.rows for k in members_of(p, part)]
         total = np.sum([self._pull(p, k, first) for p, k in members], axis=0)
         return -1 * total[:3], -0.5 * (E(self.vector("q", body)[3:]) @ total[3:])
@@ -266,7 +266,7 @@ class Outputs(EnergyRecording):
         lam = np.array([self.input("lam", row) for row in rows], dtype=object)
         blocks = self._blocks(p, k, lam)
         total = np.array([0.0 for _ in range(WIDTH)], dtype=object)
-        for n, first in enumerate(bodies_of(p, k)):
+        for n, first in enumerate(firsts(p, k)):
             if first == body:
                 for at, block in ((0, blocks[2 * n]), (3, blocks[2 * n + 1])):
                     if block is not None:

@@ -9,9 +9,8 @@ from typing import Any
 from ..elements.forces.point_force import PointForce
 from ..model.geometry.points import AXES
 from ..system import System
-from ..system.structure.population import Population
+from ..system.structure.population import Population, firsts
 from .output import Output, provides
-from .recording import bodies_of
 
 
 @provides
@@ -19,11 +18,11 @@ def positions(system: System, part: str | None) -> Iterator[Output]:
     """The global positions of the points of point forces."""
     for p in system.populations:
         for k, owner in enumerate(p.owners if issubclass(p.kind, PointForce) else ()):
-            if part in (None, owner) and bodies_of(p, k)[0] >= 0:
+            if part in (None, owner) and firsts(p, k)[0] >= 0:
                 for n, axis in enumerate(AXES):
                     yield Output(f"{owner}.position.{axis}", "m", partial(_position, p, k, n))
 
 
 def _position(p: Population, k: int, n: int, o: Any) -> Any:
-    body = o.system.layout.owners[o.system.layout.owner_of[bodies_of(p, k)[0]]]
+    body = o.system.layout.owners[o.system.layout.owner_of[firsts(p, k)[0]]]
     return o.position(body, o.element(p, k, "b").s)[n]

@@ -22,7 +22,7 @@ from ..model.tape import Operation, Tape, Tracer, value_of
 from ..system import JointCoordinates, System
 from ..system.curves.curve_derivatives import MANY, CurveDerivatives, tables_of
 from ..system.structure.population import GROUND as STILL
-from ..system.structure.population import Population
+from ..system.structure.population import Population, owners
 from .output import UnknownOutput
 
 T = TypeVar("T")
@@ -198,8 +198,8 @@ class Recording:
         end = self.system.nq if states else self.system.moving
         still = STILL if kind == "q" else np.zeros_like(STILL)
         parts = [
-            still if first < 0 or first >= end else [self.input(kind, n) for n in range(first, first + WIDTH)]
-            for first in bodies_of(p, k)
+            still if first < 0 or first >= end else [self.input(kind, n) for n in range(first, first + width)]
+            for first, width in owners(p, k)
         ]
         return partition(p.kind, np.array([x for part in parts for x in part], dtype=object))
 
@@ -405,8 +405,3 @@ def _refuse_no_matrices(plant: Any, name: str) -> None:
 def members_of(p: Population, owner: str) -> list[int]:
     """Return the elements of a part of the model."""
     return [k for k, name in enumerate(p.owners) if name == owner]
-
-
-def bodies_of(p: Population, k: int) -> list[int]:
-    """First coordinate of each body of element k, negative for ground."""
-    return [-WIDTH if slot < 0 else int(p.bodies[k, slot]) for slot in p.variant.slots]

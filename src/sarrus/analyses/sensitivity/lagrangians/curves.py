@@ -25,7 +25,6 @@ from ...._jit.formulas.reverse import gradient
 from ...._jit.kernels.emit import NUMBERS_DOT
 from ....algebra import Array
 from ....elements.recorder import Variant
-from ....model.coordinates import WIDTH
 from ....system import System
 from ....system.curves.curve_derivatives import ORDERS, ROWS, CurveDerivatives, curves_of, values_of_elements
 from ....system.curves.time_derivatives import TimeDerivatives
@@ -133,8 +132,7 @@ class CurveLagrangian:
             part[name], at = values[at : at + len(own)], at + len(own)
         for name in STATES:
             for place, moved in enumerate(part[name]):
-                body, n = divmod(place, WIDTH)
-                np.add.at(getattr(to, name).T, p.bodies[:, body] + n, moved)
+                np.add.at(getattr(to, name).T, p.coordinates[:, place], moved)
         for n, moved in enumerate(part["lam"]):
             np.add.at(to.lam.T, p.rows + n, moved)
         for n, moved in enumerate(part["b"]):

@@ -31,7 +31,7 @@ BUDGETS = {
     "analyses": Size(314, 5, 4, 0),
     "analyses/driven": Size(853, 6, 25, 0),
     "analyses/dynamics": Size(7040, 69, 173, 4),
-    "analyses/equations": Size(1299, 13, 18, 0),
+    "analyses/equations": Size(1301, 13, 18, 0),
     "analyses/equilibria": Size(1325, 10, 21, 5),
     "analyses/forward": Size(1040, 13, 2, 7),
     "analyses/optimization": Size(1438, 11, 28, 0),

@@ -60,6 +60,10 @@ class Supports(NamedTuple):
         gradient[at] = 2 * b[at] / len(at)
         return mean, gradient
 
+    def forces(self) -> Array:
+        """Generalized forces of each part on each of its bodies, all zero (c, 7)."""
+        return by_body(np.zeros(slice_of(len(self.body)).start))
+
     def arms(self, b: Array) -> Array:
         """The points in body axes (c, 3)."""
         at, found = self.point >= 0, np.zeros((len(self.point), 3), b.dtype)
@@ -147,7 +151,7 @@ class Wrenches:
 
     def __init__(self, system: System, J: csr_array, q: Array, b: Array) -> None:
         self.of = supports(system)
-        shape = system.m, slice_of(len(self.of.body)).start
+        shape = system.m, self.of.forces().size
         self.J = csr_array((J.data, self.of.columns, J.indptr), shape=shape)
         self._q, self._b = self.of.copies(q), b
 

@@ -17,6 +17,7 @@ from ..._jit.linking.link import compiled
 from ...algebra import Array
 from ...linalg.factors import DENSE_BELOW
 from ...linalg.rank import DEPENDENT
+from ...model.coordinates import POSITION
 from ...system import System
 from .joint_wrenches import Supports, Wrenches, supports
 from .motion import Saddle
@@ -129,9 +130,10 @@ def left_out(system: System, rows: Array | None) -> Omissions:
     of: Supports = supports(system)
     numbers = np.zeros(pattern.size), np.zeros((len(others), system.m))
     places = pattern.indptr.astype(whole), pattern.indices.astype(whole)
-    wrenches = np.zeros(7 * len(of.body)), np.zeros((len(others) + 1, 6 * len(of.body)))
+    force, wrenches = of.forces(), np.zeros((len(others) + 1, 6 * len(of.body)))
+    apart = np.column_stack(np.unravel_index(of.columns, force.shape))
     sizes = np.array([of.least, of.otherwise])
-    return Omissions(others, *places, *numbers, of.columns, of.body, of.point, of.weight, sizes, *wrenches)
+    return Omissions(others, *places, *numbers, apart, of.body, of.point, of.weight, sizes, force, wrenches)
 
 
 class Omissions(NamedTuple):
@@ -144,9 +146,10 @@ class Omissions(NamedTuple):
     columns : the coordinate that each number of Φ_q belongs to
     Phi_q : numbers of all equations at a state
     null : (k, m) combinations of equations that vanish there
-    apart, body, point, weight : see `Supports`, where `apart` are the columns
+    apart : for each number of Φ_q the part's body in `body`, and which of its coordinates
+    body, point, weight : see `Supports`
     lengths : `least` and `otherwise`
-    force, wrenches : work arrays (7 c,), (k + 1, 6 c)
+    force, wrenches : work arrays (c, 7), (k + 1, 6 c)
     """
 
     rows: Array
@@ -234,18 +237,17 @@ def length_of(others: Omissions, b: Array) -> float:
 @compiled
 def wrench(others: Omissions, length: float, b: Array, q: Array, lam: Array, found: Array) -> float:
     """Fill in √w (L F, M) of all joints on their bodies, see `Wrenches`; returns the sum of squares of their terms."""
-    y, size = others.force, 0.0
-    for k in range(len(y)):
-        y[k] = 0.0
+    size = 0.0
+    others.force[:] = 0.0
     for row in range(len(lam)):
         for entry in range(others.first[row], others.first[row + 1]):
-            at, x = others.apart[entry], others.Phi_q[entry] * lam[row]
-            y[at] += x
-            size += others.weight[at // 7] * (x * (length if at % 7 < 3 else 0.5)) ** 2
+            k, at, x = others.apart[entry, 0], others.apart[entry, 1], others.Phi_q[entry] * lam[row]
+            others.force[k, at] += x
+            size += others.weight[k] * (x * (length if at < POSITION else 0.5)) ** 2
     for k in range(len(others.body)):
-        p, n, at = others.body[k] + 3, 7 * k, others.point[k]
+        p, y, at = others.body[k] + POSITION, others.force[k], others.point[k]
         e0, e1, e2, e3 = q[p], q[p + 1], q[p + 2], q[p + 3]
-        Fx, Fy, Fz, y0, y1, y2, y3 = y[n], y[n + 1], y[n + 2], y[n + 3], y[n + 4], y[n + 5], y[n + 6]
+        Fx, Fy, Fz, y0, y1, y2, y3 = y[0], y[1], y[2], y[3], y[4], y[5], y[6]
         sx, sy, sz = (b[at], b[at + 1], b[at + 2]) if at >= 0 else (0.0, 0.0, 0.0)
         dx, dy, dz = e2 * sz - e3 * sy, e3 * sx - e1 * sz, e1 * sy - e2 * sx
         ax = sx + 2 * (e2 * dz - e3 * dy + e0 * dx)

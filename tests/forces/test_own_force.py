@@ -4,8 +4,10 @@ import contextlib
 import io
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import sarrus as sr
 from sarrus.elements import Element, ElementError, Force
 from sarrus.elements.element import Scalar
 from sarrus.model import Force as ModelForce
@@ -46,6 +48,35 @@ def test_only_Q_is_refused_with_the_message_of_the_guide() -> None:
         run(element)
     assert " ".join(blocks("none")[0].split()) == str(caught.value)
     assert "Magnet" not in Element.registry
+
+
+def pendulum(element: str) -> sr.System:
+    """The pendulum of the guide, with one of its elements."""
+    parts = blocks("python")
+    classes = [parts[0], next(part for part in parts if "class PotentialMagnet" in part)]
+    system = run("\n".join([*classes, parts[1].replace("Primitive(Magnet,", f"Primitive({element},")]))[
+        "system"
+    ]
+    assert isinstance(system, sr.System)
+    return system
+
+
+def test_a_force_from_its_potential_is_that_of_Q() -> None:
+    """Operators, a run, its gradient and Hessian agree, and the sum of energies is constant."""
+    one, other = pendulum("Magnet"), pendulum("PotentialMagnet")
+    state = one.q0, np.linspace(-1, 1, one.nq)
+    for name in ("Q", "Q_q", "Q_b"):
+        wanted, found = (getattr(system, name)(*state, 0.0) for system in (one, other))
+        assert abs(wanted - found).max() < 1e-13
+    assert other.check_derivatives()
+    runs = [
+        sr.simulate(system, until=0.5, method=sr.Radau(rtol=1e-9), store="steps") for system in (one, other)
+    ]
+    energy = runs[1]["energy.total"]
+    assert np.ptp(energy) < 1e-6 < np.ptp(runs[0]["energy.total"])
+    gradients = [sr.sensitivity(run, "bob.x", ["magnet.strength", "bob.mass"]) for run in runs]
+    assert gradients[0].matrix == pytest.approx(gradients[1].matrix, rel=1e-9)
+    assert runs[0].q == pytest.approx(runs[1].q, abs=1e-10)
 
 
 def test_a_derivative_that_is_written_is_used() -> None:

@@ -15,6 +15,7 @@ import numpy as np
 from .._jit.formulas.differentiate import directional, jacobian
 from .._jit.formulas.expression import Expression, Graph
 from .._jit.formulas.replay import replay
+from .._jit.formulas.reverse import gradient
 from ..algebra import Array, Block
 from .operators import DERIVATIVES, OPERATORS, Axis, Derivative
 
@@ -53,23 +54,33 @@ def derived(name: str) -> Callable[..., Any]:
     return kernel
 
 
-def potential_rate(element: Any, x: Any, v: Any) -> Any:
-    """The change with time of an element's potential, U_q v."""
+def potential(element: Any, x: Any) -> Any:
+    """U, which an element's `potential` returns as one or several terms."""
+    return sum(np.ravel(np.array(element.potential(x), dtype=object)))
+
+
+def conservative_force(element: Any, x: Any, v: Any, t: Any) -> tuple[Block, ...]:
+    """Q = -U_q of an element with a potential."""
     kind: Any = type(element)
-    recipe = _potential_rate_of(kind)
-    return _replayed(recipe, _inputs(element, {"q": x, "v": v}))[0][0][0]  # type: ignore[index]
+    grid = _replayed(_conservative_force_of(kind), _inputs(element, {"q": x}))
+    return tuple(block for (block,) in grid)
 
 
 @cache
-def _potential_rate_of(kind: Any) -> Recipe:
+def _conservative_force_of(kind: Any) -> Recipe:
     from .evaluation import partition, symbols
 
     graph = Graph()
-    element: Any
     element, operands = symbols(graph, kind)
-    value = sum(element.potential(partition(kind, operands["q"])), graph.constant(0))
-    rate = directional(graph, [value], list(zip(operands["q"], operands["v"], strict=True)))
-    return Recipe(graph, ((np.array(rate, dtype=object),),))
+    slopes = gradient(graph, potential(element, partition(kind, operands["q"])), operands["q"])
+    blocks = np.split(-np.array(slopes, dtype=object), np.cumsum(kind.coordinates())[:-1])
+    return Recipe(graph, tuple((None if _vanishes(block) else block,) for block in blocks))
+
+
+def potential_rate(element: Any, x: Any, v: Any) -> Any:
+    """The change with time of an element's potential, U_q v."""
+    blocks = zip(conservative_force(element, x, v, 0), v, strict=True)
+    return -sum(block @ rate for block, rate in blocks if block is not None)
 
 
 def _passes_t(operator: Any) -> bool:

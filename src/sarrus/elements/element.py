@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, NamedTuple, TypeAlias, dataclass_transform
 
 from ..algebra import Array, Row
-from .derived import derived
+from .derived import conservative_force, derived
 from .follows import ConstraintFollows, InertiaFollows, NonholonomicFollows
 from .force_outputs import ForceOutputs
 from .operators import (
@@ -151,14 +151,17 @@ class Element:
             )
         cls.timed, cls.outputs = "Time" in cls.fields.values(), declared(cls)
         for operator in cls.family:
-            automatic = derivatives == "automatic" and operator.name in DERIVATIVES
-            if operator.origin == "derived" or (automatic and not _is_written(cls, operator)):
+            automatic = derivatives == "automatic" and not _is_written(cls, operator)
+            if operator.origin == "derived" or (automatic and operator.name in DERIVATIVES):
                 setattr(cls, operator.name, derived(operator.name))
+            elif automatic and operator.name == "Q" and hasattr(cls, "potential"):
+                setattr(cls, operator.name, conservative_force)
         missing = [op.name for op in cls.family if not _is_written(cls, op)]
         if missing:
+            ways = "Q(x, v, t) or potential(x), and" if "Q" in missing else "one method for each, or"
             raise ElementError(
-                f"element {cls.__name__}: {', '.join(missing)} is missing. Write one method for each, or declare "
-                'the class with derivatives="automatic" to derive them by automatic differentiation.'
+                f"element {cls.__name__}: {', '.join(missing)} is missing. Write {ways} declare the class with "
+                'derivatives="automatic" to derive them by automatic differentiation.'
             )
         if registered:
             Element.registry = {**Element.registry, cls.__name__: cls}

@@ -7,13 +7,13 @@ supplies itself, so that a passive one supplies exactly zero.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..algebra import Array
 from ..euler import A, E
-from .derived import potential_rate
+from .derived import potential, potential_rate
 from .output import output
 
 ZERO: Array = np.zeros(3, dtype=int)
@@ -22,9 +22,10 @@ ZERO: Array = np.zeros(3, dtype=int)
 class ForceOutputs:
     """Forces and torques in global or body axes, powers and the stored energy of elements with a kernel Q."""
 
-    def Q(self, x: Any, v: Any, t: Any) -> Any:
-        """The generalized force, two blocks for each body."""
-        raise NotImplementedError
+    if TYPE_CHECKING:
+
+        def Q(self, x: Any, v: Any, t: Any) -> Any:
+            """The generalized force, two blocks for each body."""
 
     @output("N", "force", vector=True)
     def force_on_last_body(self, x: Any, v: Any, t: Any) -> Any:
@@ -75,8 +76,7 @@ class ForceOutputs:
     @output("J", "energy")
     def stored_energy(self, x: Any, v: Any, t: Any) -> Any:
         """The elastic energy that it stores: the sum of its `potential`, zero for an element without one."""
-        potential = getattr(self, "potential", None)
-        return 0 if potential is None else sum(potential(x))
+        return potential(self, x) if hasattr(self, "potential") else 0
 
     @output("W")
     def dissipated_power(self, x: Any, v: Any, t: Any) -> Any:

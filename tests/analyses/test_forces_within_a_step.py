@@ -81,6 +81,22 @@ def test_a_mass_thrown_up_hardly_reaches_a_stop(speed: float, method: Any, near:
     assert abs(run["b.z"][-1] - (1 + way - speed * t - g * t**2 / 2)) < near
 
 
+@pytest.mark.parametrize("store", ["samples", "steps"])
+def test_a_function_that_has_come_to_zero_ends_no_steps(store: str) -> None:
+    """u comes to 0.7, and u - 0.7 changes its sign with round-off, in steps that a vibration keeps short."""
+    bodies = [sr.Body("b", 1.0, (1, 1, 1)), sr.Body("c", 1.0, (1, 1, 1), velocity=(0, 1, 0))]
+    axes = {"b": (1, 0, 0), "c": (0, 1, 0)}
+    guides = [
+        sr.Translational(b.name.upper(), sr.ground, b, point=(0, 0, 0), axis=axes[b.name]) for b in bodies
+    ]
+    lag = sr.StateVariable("u", rate="(0.7 - u)/0.02", initial=0.0)
+    laws = {"B": "10*max(u - 0.7, 0)", "C": "-100*C.displacement"}
+    forces = [sr.Force(f"on_{joint}", joint=joint, value=law) for joint, law in laws.items()]
+    run = sr.simulate(sr.System(sr.Model("lag", bodies, guides, [lag, *forces])), until=20.0, store=store)
+    assert run.nsteps > 1000
+    assert run.nrejected < 0.1 * run.nsteps
+
+
 def test_a_miss_is_a_miss() -> None:
     run = sr.simulate(pass_by(0.2001), until=4.0)
     assert run["b"].position[-1, :2] == pytest.approx([BEGIN + 40, 0.2001], abs=1e-9)

@@ -40,6 +40,15 @@ def arrays(folder: Any) -> Iterator[tuple[str, np.ndarray]]:
         yield name, getattr(motion["crank"], name)
     yield "output", motion["slider.x"]
     yield "vector", motion["pin.force"]
+    fall = sr.System(sr.Model("fall", [sr.Body("ball", 1.0, (1, 1, 1))], gravity=(0, 0, -9.81)))
+    stopped = sr.simulate(
+        fall, until=1.0, store="steps", events=sr.Event("ball.z + 0.1", reset=lambda t, q, v: -v)
+    )
+    assert isinstance(stopped.steps, sr.results.Segments)
+    for n, steps in enumerate((motion.steps, *stopped.steps.segments)):
+        for name in ("t", "h", "q", "b", "stages"):
+            yield f"steps {n} {name}", getattr(steps, name)
+    yield "event", stopped.steps.event_steps[0].after
     yield "joint", motion.joint("pin").angle
     yield "reaction", motion.reaction("pin").force
     assert motion.final is not None

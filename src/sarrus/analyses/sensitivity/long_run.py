@@ -17,15 +17,14 @@ from ...algebra import Array
 from ...results import Assembly, EventStep, Segments, StepsTaken, Trajectory
 from ...results.motion.steps import first_of, last_of, led
 from ...system import System
-from ..dynamics.events.events import CROWD
 from ..dynamics.integrators.differentiable import Differentiable, differentiable
 from ..dynamics.recipe import Recipe
 from ..dynamics.run_options import Events
 from ..dynamics.simulation import arguments_of
 from ..dynamics.stepping.nodes import Nodes
 from ..dynamics.stepping.stepper import KeepingStepper, RunFailure, arrays_of, below
-from ..dynamics.time_loop.switches import Cut
-from ..dynamics.time_loop.time_loop import Hit, TimeLoop
+from ..dynamics.time_loop.switches import Hit
+from ..dynamics.time_loop.time_loop import TimeLoop
 from ..position.initial_state import start_of
 from .sampling.sampling import HIGH, LOW
 from .sampling.segments import Course, Instants
@@ -280,7 +279,7 @@ class LongRun(TimeLoop):
         self._place, self._lead = Place(self._place.segment + 1, 0), None
         super()._begin(hit)
 
-    def _advance(self, stop: float) -> tuple[Nodes, Cut | None]:
+    def _advance(self, stop: float) -> tuple[Nodes, Hit | None]:
         if not self._points or self._count - self._points[-1].count + self.portion > self._every:
             self._mark()
         return super()._advance(stop)
@@ -307,7 +306,7 @@ class LongRun(TimeLoop):
             self._lead = last_of(led(self._lead, steps), LEAD[self.precise])
         stepper.forget()
         stepper.tally.history.clear()
-        del self.watches.records[:-CROWD]
+        self.watches.records.clear()
         state = arrays_of({"method": stepper, "switches": self.switches})
         self._points.append(Checkpoint(state, self._place, self._count, self._lead))
         self._free_memory()

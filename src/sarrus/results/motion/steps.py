@@ -11,6 +11,7 @@ import numpy as np
 from ...algebra import Array
 from ..assembly import Assembly
 from ..saving.data_bytes import Kinds, dumps, loads
+from .events import EventRecord
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,30 +74,23 @@ class StepsTaken:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class EventStep:
-    """An event at which a run went on from other velocities, or ended.
+class EventStep(EventRecord):
+    """A switch at which a run went on from other velocities or began new steps, or ended, for its derivatives.
+
+    Its state is just before, on the constraints; velocities after it that `reset` gives are not yet on them.
 
     Attributes
     ----------
-    name : of the event
-    t : its time [s]
     function : what crossed zero: a formula, a Python function (t, q, v), or a corner of a force
     along, restitution : of its `Impact`; None where the run ended
     reset : its function (t, q, v) that gives new velocities, a sample of controllers, or None
-    q, v : (nq,) state just before, on the constraints
-    after : (nq,) velocities just after; those that `reset` gives are not yet on the constraints
     named : whether responses can refer to it by its name; jumps, corners and samples only begin new steps
     """
 
-    name: str
-    t: float
     function: object
     along: str | None = None
     restitution: float | None = None
     reset: object = None
-    q: Array = field(repr=False)
-    v: Array = field(repr=False)
-    after: Array = field(repr=False)
     named: bool = True
 
 

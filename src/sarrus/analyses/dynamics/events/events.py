@@ -20,13 +20,18 @@ from ..stepping.stepper import RunFailure, RunPart
 from .event_output import EventOutput, as_formula, takes_outputs
 
 LOOKS = 4  # at so many places of a step a crossing is looked for
-HALVINGS = 40  # of the time from a crossing on, within which the next one is looked for
 AHEAD = 1e-9  # of a run, after which its direction is seen
 JUMPED = 1e5  # times as far from zero as it moves until then: new velocities have changed the function itself
 # of what it moves until then: so near to zero when another event comes, it crosses at the same time
 MEETS = 1e-2
 NEAR = 1e-13  # of the time reached: where root finding ends
-CROWD, CROWDED = 20, 1e-6  # so many events within this part of the whole time: they accumulate
+LAST, CROWDED = 20, 1e-6  # so many intervals between switches within this part of the whole time: they crowd
+# or, where a force jumps, after so many switches, if the last intervals are so much shorter than all
+FREE, FASTER = 200, 0.5
+ACCUMULATE = (
+    "as impacts that lose energy come to rest in finite time",
+    "End the run with terminal=..., or model the contact by a force.",
+)
 Function = Callable[[float, Array, Array], float]
 
 
@@ -131,10 +136,38 @@ def _struck(event: Event, restitution: float | None) -> Event:
     return replace(event, reset=replace(event.reset, restitution=restitution))
 
 
+class Crowd(RunPart):
+    """The times of one switch, to refuse those that follow each other ever faster."""
+
+    VARIABLES = "_count", "_first", "_recent"
+
+    def __init__(self) -> None:
+        self._count, self._first, self._recent = 0, 0.0, np.zeros(0)
+
+    def add(self, t: float) -> None:
+        """Count a switch."""
+        self._first = self._first if self._count else t
+        self._count, self._recent = self._count + 1, np.append(self._recent, t)[-LAST - 1 :]
+
+    def refuse(self, name: str, span: float | None, reason: str, remedy: str) -> None:
+        """Refuse switches that crowd: events, of a run that takes so long, or those of a force that jumps.
+
+        Raises
+        ------
+        RunFailure
+        """
+        if len(self._recent) <= LAST:
+            return
+        t, last = self._recent[-1], self._recent[-1] - self._recent[0]
+        mean = (t - self._first) / (self._count - 1) if self._count > FREE else 0.0
+        if last < (FASTER * LAST * mean if span is None else CROWDED * span):
+            raise RunFailure("switches crowd", f"{name}: switches crowd at t = {t:.6g} s, {reason}. {remedy}")
+
+
 class Watch(RunPart):
     """One event along one run."""
 
-    VARIABLES = "count", "last", "at", "near"
+    VARIABLES = "count", "last", "at", "near", "crowd"
 
     def __init__(self, system: System, event: Event) -> None:
         self.event = event
@@ -147,7 +180,7 @@ class Watch(RunPart):
         if isinstance(event.reset, Impact) and isinstance(self.output, EventOutput):
             self.output.refuse_no_gradient()
         self._counted = [x for x in dict.fromkeys((self.function, self.output)) if isinstance(x, EventOutput)]
-        self.count, self.last, self.at = 0, 0.0, -np.inf
+        self.count, self.last, self.at, self.crowd = 0, 0.0, -np.inf, Crowd()
 
     def begin(self, t: float, q: Array, v: Array, event: bool, span: float) -> None:
         """A start, perhaps after an event: then a function at zero has crossed it just now, or is about to."""
@@ -207,20 +240,18 @@ class Watch(RunPart):
     def _root(self, nodes: Nodes, sampler: Sampler, before: float, after: float) -> float:
         def value(t: float) -> float:
             sample = sampler.states(nodes, np.array([t]))
-            return float(np.nan_to_num(self.function(t, sample.q[0], sample.v[0]), nan=np.nan))
+            found = self.function(t, sample.q[0], sample.v[0])
+            if t == before and not found * self.last > 0:  # round-off after an event there
+                found = self.last
+            return float(np.nan_to_num(found, nan=np.nan))
 
         from scipy.optimize import brentq  # 0.2 s to import: only runs with events pay
 
         if value(after) * self.last > 0:  # making the state consistent has moved the crossing behind it
             return after
-        start = before
-        for _ in range(HALVINGS):
-            if value(start) * self.last > 0:
-                return float(
-                    brentq(value, start, after, xtol=NEAR * max(after - before, abs(after)), rtol=1e-15)
-                )
-            start = before + 0.5 * ((start if start > before else after) - before)
-        return before
+        near = NEAR * max(after - before, abs(after))
+        root = float(brentq(value, before, after, xtol=near, rtol=1e-15))
+        return root if root - before > 2 * near else before
 
     @property
     def ends(self) -> bool:
@@ -299,9 +330,9 @@ class Watches(RunPart):
 
     VARIABLES = ("_all",)
 
-    def __init__(self, system: System, events: Sequence[Event]) -> None:
+    def __init__(self, system: System, events: Sequence[Event], span: float, until: float) -> None:
         self._all = [Watch(system, event) for event in events]
-        self.span, self.until = 0.0, np.inf
+        self.span, self.until = span, until
         self.records: list[EventRecord] = []
 
     def __bool__(self) -> bool:
@@ -320,6 +351,7 @@ class Watches(RunPart):
     def record(self, watch: Watch, t: float, q: Array, v: Array, sampler: Sampler) -> Array:
         """Count and record an event; returns the velocities after it."""
         watch.count, watch.at = watch.count + 1, t
+        watch.crowd.add(t)
         after = watch.after(t, q, v, sampler)
         self.records.append(EventRecord(watch.name, t, q, v, after))
         return after
@@ -331,14 +363,8 @@ class Watches(RunPart):
         ------
         RunFailure
         """
-        last = self.records[-CROWD:]
-        if len(last) == CROWD and last[-1].t - last[0].t <= CROWDED * self.span:
-            raise RunFailure(
-                "events accumulate",
-                f"{CROWD} events, the last {last[-1].name}, are within {last[-1].t - last[0].t:.2g} s near "
-                f"t = {last[-1].t:.6g} s, as impacts that lose energy come to rest in finite time. End the run with "
-                "terminal=..., or model the contact by a force.",
-            )
+        for watch in self._all:
+            watch.crowd.refuse(watch.name, self.span, *ACCUMULATE)
 
     def stored_records(self) -> dict[str, Array]:
         """The events so far, as results of a saved run."""

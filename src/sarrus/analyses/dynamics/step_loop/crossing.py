@@ -24,9 +24,8 @@ NEAR = 1e-10  # of a step: so long before a switch a step ends, and so long behi
 BESIDE = 1e-6  # of a step: between two states that give the rate of a function
 BISECTIONS = 36  # of a quarter of a step
 DIVISIONS = 24  # of the same, towards the least distance of a function from zero
-SEARCHES = 16  # times a step to a switch is taken again, or halved where a function grazes zero
+SEARCHES = 16  # times a step to a switch is taken again
 FURTHER = 4.0  # times further back each time that a step ends beyond a switch, whose force holds it there
-GRAZES = 1e-2  # of what a function changes within a step: slower crossings only graze
 ROUND_OFF = 1e-12  # of the size of its terms: what integration leaves of a function that decays to zero
 SHIFT = 1e-6  # of the states, at random: the change of a function shows the size of its terms
 FIRST = 0.1  # of the time within which a force sets in and ends: the first step after it has set in
@@ -114,7 +113,6 @@ class Crossing(Scalars):
     stays : how long the function stays beyond it, if it comes back within that step, else infinite [s]
     left : from the end of a step to it [s]
     since : steps since the last one
-    grazes, halved : whether the function is only just beyond it within the step, and how often the step was halved
     begun, lasts : when a step last ended at a function that comes back, and how long that one stays beyond it [s]
     """
 
@@ -131,8 +129,6 @@ class Crossing(Scalars):
     stays: float
     left: float
     since: int
-    grazes: int
-    halved: int
     begun: float
     lasts: float
 
@@ -195,16 +191,11 @@ def changed(sw: Switching, k: int, one: int, other: int) -> bool:
 
 @compiled
 def passes(sw: Switching, k: int, n: int) -> bool:
-    """Whether a function changes between two places; a table: whether a whole part of it is in that half of a step."""
-    least = 1.0 if sw.period[k] == 0.0 else 2.0
-    before, behind = max(n - 1, 0), min(n + 2, FIVE - 1)
+    """Whether a function changes between two places; a table: whether a part within half a step begins there."""
     change = abs(sw.mode[n, k] - sw.mode[n + 1, k])
-    if change >= least or change == 0.0 or least == 1.0:
-        return bool(change >= least)
-    return bool(
-        abs(sw.mode[before, k] - sw.mode[n + 1, k]) >= least
-        or abs(sw.mode[n, k] - sw.mode[behind, k]) >= least
-    )
+    if sw.period[k] == 0.0:
+        return bool(change >= 1.0)
+    return bool(change > 0.0 and max(change, abs(sw.mode[n, k] - sw.mode[min(n + 2, FIVE - 1), k])) >= 2.0)
 
 
 @compiled
@@ -303,27 +294,21 @@ def first_between(sw: Switching, step: Step, n: int, begin: float, crossing: Cro
 
 @compiled
 def counts(sw: Switching, step: Step, n: int, begin: float, crossing: Crossing) -> bool:
-    """Whether a step is to end at a switch, or nearer to it: not at its end, nor where a function only grazes zero.
+    """Whether a step is to end at a switch: not at its end.
 
-    Where it goes there and back, shorter steps see more of it, or end beyond it. Nor where it is zero but for round-off
-    on one side: u - a, once a has come to u.
+    Nor where the function is zero but for round-off on one side: u - a, once a has come to u.
     """
-    k, h, before, behind = crossing.number, step.h, 0.0, 0.0
-    least, most = sw.value[0, k], sw.value[0, k]
-    for row in range(FIVE):
-        x = sw.value[row, k]
-        least, most = min(least, x), max(most, x)
-        before, behind = max(before, abs(x) if row <= n else 0.0), max(behind, abs(x) if row > n else 0.0)
-    evaluate_at(sw, step, crossing.part + BESIDE, AHEAD)
-    crossing.grazes = int(abs(sw.value[AHEAD, k] - sw.value[HIGH, k]) < GRAZES * BESIDE * (most - least))
-    returns = sw.period[k] == 0.0 and crossing.stays < math.inf and crossing.halved < SEARCHES
-    if crossing.part > 1.0 - begin or (crossing.grazes and not returns):
+    if crossing.part > 1.0 - begin:
         return False
+    k, before, behind = crossing.number, 0.0, 0.0
+    for row in range(FIVE):
+        x = abs(sw.value[row, k])
+        before, behind = max(before, x if row <= n else 0.0), max(behind, x if row > n else 0.0)
     for shift in range(0 if sw.period[k] else len(sw.shifts)):
         for i in range(len(sw.q)):
             sw.q[i] = step.q1[i] + sw.shifts[shift, 0, i] * abs(step.q1[i])
-            sw.v[i] = step.v1[i] + sw.shifts[shift, 1, i] * (abs(step.v1[i]) + abs(step.q1[i]) / h)
-        evaluate(sw, step.b, step.t + h, sw.q, sw.v, AHEAD)
+            sw.v[i] = step.v1[i] + sw.shifts[shift, 1, i] * (abs(step.v1[i]) + abs(step.q1[i]) / step.h)
+        evaluate(sw, step.b, step.t + step.h, sw.q, sw.v, AHEAD)
         if min(before, behind) < ROUND_OFF / SHIFT * abs(sw.value[AHEAD, k] - sw.value[FIVE - 1, k]):
             return False
     return True
@@ -373,12 +358,7 @@ def shorter(sw: Switching, step: Step, crossing: Crossing) -> float:
     h, wide = step.h, width(step.t, step.h)
     if crossing.stage == NONE:
         if not first_crossing(sw, step, crossing):
-            crossing.halved = 0
             return 0.0
-        if crossing.grazes:
-            crossing.halved += 1
-            return 0.5 * h
-        crossing.halved = 0
         way = crossing.part * h
         near = sw.near[0] and sw.period[crossing.number] == 0.0
         while near and crossing.since >= RESOLVED and crossing.nearer < STEPS_BEFORE:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -121,3 +121,19 @@ class StepStore:
         left_out = self._stored(LEFT_OUT)
         message |= {LEFT_OUT: left_out if np.any(left_out) else left_out[:0], "places": self._places}
         return StepsTaken(**message)
+
+
+def writable(steps: StepsTaken) -> StepsTaken:
+    """The steps with arrays that can be written, as compiled code takes no others, although it only reads them."""
+    values = {one.name: getattr(steps, one.name) for one in fields(steps)}
+    arrays: dict[str, Any] = {n: _writable(x) for n, x in values.items() if isinstance(x, np.ndarray)}
+    return replace(steps, **arrays)
+
+
+def _writable(array: Array) -> Array:
+    found = array.view()
+    try:
+        found.setflags(write=True)
+    except ValueError:  # the memory is that of a pickled run
+        return array.copy()
+    return found

@@ -14,6 +14,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....model.announcement import announce, collected, is_strict
+from ....model.read_only import read_only
 from ....results import Assembly, EventRecord, NoSolution, Solution, State, Trajectory, load_run
 from ....results.motion.events import event_records
 from ....results.motion.steps import EventStep, Segments, StepsTaken, segments_from_store, segments_to_store
@@ -179,15 +180,16 @@ class Recording(RunPart):
         self.event_steps.append(event_step)
 
     def steps(self) -> StepsTaken | Segments | None:
-        """All stored steps."""
-        steps = self.stepper.steps()
-        if steps is None or not self.event_steps:
-            return steps
-        ended = len(self.event_steps) == len(self._segments) and self.stepper.t == self.event_steps[-1].t
-        segments = self._segments if ended else [*self._segments, steps]
-        return Segments(
-            segments=tuple(segments), event_steps=tuple(self.event_steps), until=float(self.stepper.t)
-        )
+        """All stored steps, which cannot be written."""
+        steps: StepsTaken | Segments | None = self.stepper.steps()
+        if isinstance(steps, StepsTaken) and self.event_steps:
+            ended = len(self.event_steps) == len(self._segments) and self.stepper.t == self.event_steps[-1].t
+            segments = tuple(self._segments if ended else [*self._segments, steps])
+            steps = Segments(
+                segments=segments, event_steps=tuple(self.event_steps), until=float(self.stepper.t)
+            )
+        stored: StepsTaken | Segments | None = read_only(steps)
+        return stored
 
     def reached(self) -> State | None:
         """The state reached, from which another run can go on."""

@@ -1,4 +1,4 @@
-"""Switches of forces during a run: steps end there, see `step_loop.crossing`; those of a jump may crowd."""
+"""Switches of a run: whatever ends a segment of steps is a `Hit`, corners of forces among them, and may crowd."""
 
 from __future__ import annotations
 
@@ -6,34 +6,48 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ....algebra import Array
+from ....results import EventStep
 from ....system import System
-from ..events.switching_functions import Corner, SwitchingFunctions
+from ..dense_output.sampler import Sampler
+from ..events.events import Crowd
+from ..events.switching_functions import SwitchingFunctions
 from ..inputs.force_arguments import that_jump
 from ..step_loop.crossing import FIRST, width
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import RunFailure, RunPart, Stepper
+from ..stepping.stepper import RunPart, Stepper
+from .recording import Plan
 
-# Corners of a force that jumps: so many before they may follow each other ever faster
-FREE = 200
-LAST, FASTER = 20, 0.5  # intervals between them, and how much shorter than all: then they do
 SLIDES = (
-    "{1}: switches crowd at t = {0:.6g} s, since its force jumps and pushes the motion back to the jump from both "
-    "sides. Let it change within a width, such as tanh(x/width)."
+    "since its force jumps and pushes the motion back to the jump from both sides",
+    "Let it change within a width, such as tanh(x/width).",
 )
 
 
-class Cut(NamedTuple):
-    """Where steps have ended at a corner.
+class Hit(NamedTuple):
+    """What ends a segment of steps, and the state from which the motion goes on.
 
     Attributes
     ----------
-    behind : the state behind the corner; accelerations that jump there change it by a part of 1e-10 of their step
-    longest : the next step at most, so that it does not pass over what follows [s]
+    t, q, v : that state, with its velocities
+    record : for derivatives; None where they go on through it
+    b : the numbers of the elements there, if they are not those after the last step
+    longest : the step behind it at most, so that it does not pass over what follows [s]
+    is_event : whether functions of events that are zero there have just crossed
+    message : why the run ends there, if it does
+    behind : the state at a corner of a force as a node behind the last one; accelerations that jump there change it by
+        a part of 1e-10 of the step
     """
 
-    corner: Corner
-    behind: Nodes
-    longest: float
+    t: float
+    q: Array
+    v: Array
+    record: EventStep | None = None
+    b: Array | None = None
+    longest: float = np.inf
+    is_event: bool = False
+    message: str = ""
+    behind: Nodes | None = None
 
 
 class Switches(RunPart):
@@ -43,55 +57,46 @@ class Switches(RunPart):
     ----------
     system : System
     stepper : the method at work
-    free : whether its steps can end at them
-    stored : whether all steps are stored for derivatives
+    plan : what is wanted
+    sampler : for states at corners
     """
 
-    VARIABLES = "_corners", "_first", "_recent"
+    VARIABLES = ("_crowd",)
 
-    def __init__(self, system: System, stepper: Stepper, free: bool, stored: bool) -> None:
-        self._stepper, self._jumping = stepper, that_jump(system)
-        self._corners, self._first, self._recent = 0, 0.0, np.zeros(0)  # where steps ended: count, times
-        functions = SwitchingFunctions(system) if free else None
+    def __init__(self, system: System, stepper: Stepper, plan: Plan, sampler: Sampler) -> None:
+        self._stepper, self._stored, self._sampler = stepper, plan.stored, sampler
+        self._crowd, self._jumping = Crowd(), that_jump(system)
+        functions = SwitchingFunctions(system) if plan.free else None
         self._all = functions.all if functions else []
         if functions and self._all:
-            corners = stored or bool(self._jumping)
+            corners = plan.stored or bool(self._jumping)
             stepper.end_at(
                 functions.compiled(
                     lambda one: one.table is None and (corners or stepper.has_history), corners
                 )
             )
 
-    def advance(self, stop: float, most: int) -> tuple[Nodes, Cut | None]:
-        """Some steps, up to the first corner behind which a run begins anew.
+    def advance(self, stop: float, most: int) -> tuple[Nodes, Hit | None]:
+        """Some steps, up to the first corner of a force behind which a run begins anew.
 
         Raises
         ------
         RunFailure
             If the motion slides along a jump, or if the method cannot go on.
         """
-        stepper = self._stepper
-        nodes = stepper.advance(stop, most)
-        if (crossing := stepper.switched) is None:
+        nodes = self._stepper.advance(stop, most)
+        if (crossing := self._stepper.switched) is None:
             return nodes, None
-        corner = self._all[int(crossing.number)].corner
-        self._refuse_sliding(float(nodes.t[-1]), corner.owner)
-        gap = float(crossing.left) + width(float(nodes.t[-1]), float(nodes.t[-1] - nodes.t[-2]))
         last = nodes.part(slice(-1, None))
+        corner, t = self._all[int(crossing.number)].corner, float(last.t[0])
+        if corner.owner in self._jumping:
+            self._crowd.add(t)
+            self._crowd.refuse(corner.owner, None, *SLIDES)
+        record, name = None, f"corner of {corner.owner}"
+        if self._stored:
+            before = self._sampler.state_at(t, last.q[0], last.v[0], last.memory[0])
+            known = {"q": before.q[0].copy(), "v": before.v[0].copy(), "after": before.v[0].copy()}
+            record = EventStep(name=name, t=t, function=corner, named=False, **known)
+        gap, longest = float(crossing.left) + width(t, t - float(nodes.t[-2])), FIRST * float(crossing.stays)
         behind = last._replace(t=last.t + gap, q=last.q + gap * last.v, v=last.v + gap * last.a)
-        return nodes, Cut(corner, behind, FIRST * float(crossing.stays))
-
-    def _refuse_sliding(self, t: float, owner: str) -> None:
-        """Count a corner at which a step has ended.
-
-        Raises
-        ------
-        RunFailure
-            If corners of a force that jumps follow each other ever faster.
-        """
-        self._first = self._first if self._corners else t
-        self._corners, self._recent = self._corners + 1, np.append(self._recent, t)[-LAST - 1 :]
-        if self._corners > FREE and owner in self._jumping:
-            recent, mean = (t - self._recent[0]) / LAST, (t - self._first) / (self._corners - 1)
-            if recent < FASTER * mean:
-                raise RunFailure("switches crowd", SLIDES.format(t, owner))
+        return nodes, Hit(t, behind.q[0], behind.v[0], record, longest=longest, behind=behind)

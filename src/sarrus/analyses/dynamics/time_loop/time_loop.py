@@ -7,7 +7,6 @@ controllers, a time at which a law jumps. Each of them ends a segment of steps a
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,34 +25,11 @@ from ..stepping.step_budget import StepWatch
 from ..stepping.stepper import CHUNK, RunFailure, Stepper
 from .nearness import initial_warnings
 from .recording import Plan, Recording, RunState
-from .switches import Cut, Switches
+from .switches import Hit, Switches
 
 WATCHED = 40  # the same, where events are looked for
 JUMP = 1e-6  # of the largest acceleration: smaller changes at a kink are none of the accelerations
 GOES_ON = "finished", "reached the end"  # status and message of a run unless something else ends it
-
-
-class Hit(NamedTuple):
-    """What ends a segment of steps, and the state from which the motion goes on.
-
-    Attributes
-    ----------
-    t, q, v : that state, with its velocities
-    record : for derivatives; None where they go on through it
-    b : the numbers of the elements there, if they are not those after the last step
-    longest : the step behind it at most [s]
-    is_event : whether functions of events that are zero there have just crossed
-    message : why the run ends there, if it does
-    """
-
-    t: float
-    q: Array
-    v: Array
-    record: EventStep | None = None
-    b: Array | None = None
-    longest: float = np.inf
-    is_event: bool = False
-    message: str = ""
 
 
 class TimeLoop:
@@ -70,8 +46,8 @@ class TimeLoop:
         self.system, self.stepper, self.plan = system, stepper, plan
         self.recording = Recording(system, stepper, plan)
         self.sampler = self.recording.sampler
-        self.watches = Watches(system, plan.events)
-        self.switches = Switches(system, stepper, plan.free, plan.stored)
+        self.watches = Watches(system, plan.events, plan.until - stepper.t, plan.until)
+        self.switches = Switches(system, stepper, plan, self.sampler)
         self.step_watch = StepWatch(plan.budget, plan.until)
         made = self.recording
         made.run_state = RunState(
@@ -90,7 +66,6 @@ class TimeLoop:
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
         """Integrate from the start, or from a saved state, to the end; return the result also after a failure."""
         refuse_infinite_motions(self.system, start.t, self.plan.until)
-        self.watches.span, self.watches.until = self.plan.until - start.t, self.plan.until
         try:
             self._start(start, state)
             self.recording.save(force=True)
@@ -130,10 +105,9 @@ class TimeLoop:
         status, message = GOES_ON
         while self.stepper.t < self.plan.until and status == "finished":
             stop, before = self._stop(), self.stepper.b.copy()
-            nodes, cut = self._advance(stop)
-            nodes, hit = self._up_to_event(nodes, cut, before)
+            nodes, hit = self._up_to_event(*self._advance(stop), before)
             self._take(nodes)
-            if hit := hit or self._at_end(stop, nodes, cut):
+            if hit := hit or self._at_time(stop, nodes):
                 status, message = self._turn(hit)
             if status == "finished":  # else the end is recorded with it, and until then it is found again
                 self.recording.save()
@@ -159,15 +133,15 @@ class TimeLoop:
             self.watches.refuse_crowd()
         return GOES_ON
 
-    def _advance(self, stop: float) -> tuple[Nodes, Cut | None]:
+    def _advance(self, stop: float) -> tuple[Nodes, Hit | None]:
         """Some steps, up to the first corner of a force at which one ends; calls are joined."""
         most = self.portion
         if before := self._failure or self.recording.interruption:
             raise before
-        parts, cut, taken = list[Nodes](), None, 0
-        while taken < most and cut is None and (self.stepper.t < stop or not parts):
+        parts, hit, taken = list[Nodes](), None, 0
+        while taken < most and hit is None and (self.stepper.t < stop or not parts):
             try:
-                nodes, cut = self.switches.advance(stop, most - taken)
+                nodes, hit = self.switches.advance(stop, most - taken)
             except (RunFailure, KeyboardInterrupt) as failure:
                 if not parts:
                     raise
@@ -175,22 +149,24 @@ class TimeLoop:
                 break
             parts.append(nodes)
             taken += max(len(nodes.t) - 1, 1)  # a call may choose pivots only
-        return joined(parts), cut
+        return joined(parts), hit
 
     def _stop(self) -> float:
         """The next time that is hit exactly."""
         ahead = self.plan.stops[self.plan.stops > self.stepper.t]
         return float(ahead[0]) if len(ahead) else self.plan.until
 
-    def _up_to_event(self, nodes: Nodes, cut: Cut | None, before: Array) -> tuple[Nodes, Hit | None]:
-        """The steps up to the first event that changes the motion or ends it; all events up to it are recorded.
+    def _up_to_event(self, nodes: Nodes, corner: Hit | None, before: Array) -> tuple[Nodes, Hit | None]:
+        """The steps up to the first event that changes the motion or ends it, or the corner at which they have ended.
 
-        Within the gap at a corner the state is that behind it: the gap is so short that velocities between its ends
-        would be round-off. `before` : the numbers of the elements at the begin of the steps
+        All events up to it are recorded. Within the gap at a corner the state is that behind it: the gap is so short
+        that velocities between its ends would be round-off. `before` : the numbers of the elements at their begin
         """
-        watched = joined([nodes, cut.behind]) if cut else nodes
+        watched = joined([nodes, corner.behind]) if corner and corner.behind else nodes
         for t, watch in self.watches.crossings(watched, self.sampler) if self.watches else ():
-            states = self.sampler.states(cut.behind if cut and t > nodes.t[-1] else watched, np.array([t]))
+            states = self.sampler.states(
+                watched.part(slice(-1, None)) if t > nodes.t[-1] else watched, np.array([t])
+            )
             q, v = states.q[0], states.v[0]
             after, event = self.watches.record(watch, t, q, v, self.sampler), watch.event
             ends = watch.ends or (event.reset is not None and t >= self.plan.until)
@@ -205,25 +181,12 @@ class TimeLoop:
             state = self.sampler.state_at(t, q, v if ends else after, memory)
             hit = Hit(t, state.q[0], state.v[0], record, before, is_event=True, message=message)
             return _until(watched, states), hit
-        return nodes, None
-
-    def _at_end(self, stop: float, nodes: Nodes, cut: Cut | None) -> Hit | None:
-        """A corner of a force, or what happens at a time, at which the steps have ended."""
-        if cut:
-            return self._at_corner(cut, nodes)
-        return self._at_time(stop, nodes) if self.stepper.t == stop < self.plan.until else None
-
-    def _at_corner(self, cut: Cut, nodes: Nodes) -> Hit:
-        """A corner of a force: the motion goes on with the state behind it."""
-        t, behind, record = float(nodes.t[-1]), cut.behind, None
-        if self.plan.stored:
-            before = self.sampler.state_at(t, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
-            name, q, v = f"corner of {cut.corner.owner}", before.q[0].copy(), before.v[0].copy()
-            record = EventStep(name=name, t=t, function=cut.corner, named=False, q=q, v=v, after=v)
-        return Hit(t, behind.q[0], behind.v[0], record, longest=cut.longest)
+        return nodes, corner
 
     def _at_time(self, stop: float, nodes: Nodes) -> Hit | None:
         """A sample of controllers, or a kink of a law over time, if the method has to begin anew behind it."""
+        if not self.stepper.t == stop < self.plan.until:
+            return None
         control, begin = self.plan.control, stop + 2 * self.plan.aside
         if control and (due := control.due(stop)) and (now := self.recording.reached()):
             sample = control.sample(now, due)

@@ -23,6 +23,7 @@ from ...dynamics.methods.equations import MULTIPLIERS
 from ...dynamics.methods.nonholonomic import method_for, operation_for
 from ...dynamics.methods.splitting import Split, StageTables, split_of
 from ...dynamics.methods.tables import Quantity, Tables, Weight, structure_of, tables_of
+from ...dynamics.step_loop.step_store import writable
 from .block_loop import Run
 from .references import shared_references
 from .split_loop import LEFT
@@ -219,7 +220,7 @@ class Operations:
             scales=series([one.scales if len(one) else none for one in operations]),
             times=series([one.times for one in operations]),
             sources=tuple(arrays.values()) + (none,) * (-len(arrays) % SOURCES), pieces=ragged(pieces),
-            bounds=np.zeros((0, 2), np.int64), memory=self.state_variables, places=steps.places,
+            bounds=np.zeros((0, 2), np.int64), memory=self.state_variables, places=steps.places.copy(),
             left_out=steps.left_out.astype(float) if steps.left_out.any() else none, **integers,
         )  # fmt: skip
 
@@ -299,7 +300,7 @@ class Record(Operations):
     @cached_property
     def state_variables(self) -> Array:
         """What elements remember during each step (steps, k), see `references`."""
-        steps, of = self.steps, self.operations[STEP]
+        steps, of = writable(self.steps), self.operations[STEP]
         stages = [(of.times[:, s], x.all(len(of))) for (s, name), x in of.sources.items() if name == "q"]
         every = [(steps.t[:-1], steps.q[:-1]), *stages, (steps.t[1:], steps.q[1:])]
         times, positions = zip(*every, strict=True)
@@ -315,7 +316,7 @@ class Record(Operations):
         times = [ends.get(one.time, steps.t[:-1] + one.time * h) for one in operation.step.stages]
         every = np.arange(len(steps))
         tables = tables_of(self.system, structure_of(operation))
-        found = _stages_of(steps, tables)
+        found = _stages_of(writable(steps), tables)
         sources = {key: found[key] for key in tables.recorded}
         return Occurrences(operation, tables, every, every + 1, np.stack(times, axis=1), sources)
 

@@ -41,7 +41,7 @@ BUDGETS = {
     "analyses/workspace": Size(3435, 32, 66, 0),
     "bridges": Size(158, 5, 0, 0),
     "cli": Size(1513, 28, 11, 0),
-    "elements": Size(2931, 59, 14, 0),
+    "elements": Size(2787, 59, 14, 0),
     "io": Size(5837, 65, 28, 0),
     "linalg": Size(1513, 17, 24, 0),
     "mechanisms": Size(10, 1, 0, 0),

@@ -59,7 +59,7 @@ def gyroscopic_v(inertia: Array, p: Array, pd: Array) -> Array:
     return 8 * (bar(J @ (G(pd) @ p)) - G(pd).T @ (J @ G(p)))
 
 
-class EccentricInertia(InertiaElement):
+class EccentricInertia(InertiaElement, derivatives="automatic"):
     """Mass [kg], inertia tensor about the centre of mass [kg m²] and the centre of mass in the body [m]."""
 
     mass: Scalar  # [kg]
@@ -97,17 +97,8 @@ class EccentricInertia(InertiaElement):
         mB = 2 * self.mass * B(v.p, self.center)
         return (None, -mB), (None, gyroscopic_v(self.inertia, x.p, v.p) - B(x.p, self.center).T @ mB)
 
-    def S_b(self, x: Single, v: Single) -> Grid:
-        B_c, centripetal, c = B(x.p, self.center), B(v.p, self.center) @ v.p, C(v.p, v.p)
-        by_center = -self.mass * (K(x.p, centripetal) + B_c.T @ c)
-        by_inertia = 8 * (G(v.p).T @ J_b(G(v.p) @ x.p))
-        return (
-            (column(-centripetal), None, -self.mass * c),
-            (column(-(B_c.T @ centripetal)), by_inertia, by_center),
-        )
 
-
-class RigidInertia(InertiaElement):
+class RigidInertia(InertiaElement, derivatives="automatic"):
     """Mass [kg] and inertia tensor (xx, yy, zz, xy, xz, yz) [kg m²] about the frame's origin, the centre of mass."""
 
     mass: Scalar  # [kg]
@@ -130,6 +121,3 @@ class RigidInertia(InertiaElement):
 
     def S_v(self, x: Single, v: Single) -> Grid:  # Eq. (58), eight times
         return (None, None), (None, gyroscopic_v(self.inertia, x.p, v.p))
-
-    def S_b(self, x: Single, v: Single) -> Grid:
-        return (None, None), (None, 8 * (G(v.p).T @ J_b(G(v.p) @ x.p)))

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from ...algebra import Array, Block, Row, row, single
-from ...euler import C
+from ...algebra import Array, Block, Row, row
 from ..element import Curve, Grid, Pair, Primitive, Scalar, Time, Vec3
 from .segment import Segment
 
 
-class Distance(Segment, Primitive, rows=1):
+class Distance(Segment, Primitive, rows=1, derivatives="automatic"):
     """Φ = dᵀd - C² [m²], d from P_i to P_j. Singular at C = 0: use a spherical constraint there."""
 
     s_i: Vec3  # [m] P_i in body i
@@ -56,27 +55,6 @@ class Distance(Segment, Primitive, rows=1):
             return factor * sum(terms[1:], terms[0]) if terms else None
 
         return tuple(tuple(block(m, n) for n in range(4)) for m in range(4))
-
-    def Phi_b(self, x: Pair) -> Row:
-        d, (by_i, by_j) = 2 * self.d(x), self.d_s(x)
-        return row(d @ by_i), row(d @ by_j), single(-2 * self.length)
-
-    def Phi_q_xi_b(self, x: Pair, xi: Pair) -> Row:
-        d, d_xi = 2 * self.d(x), 2 * self.d_xi(x, xi)
-        by_i, by_j = (d_xi @ s + d @ xi_s for s, xi_s in zip(self.d_s(x), self.d_xi_s(x, xi), strict=True))
-        return row(by_i), row(by_j), None
-
-    def Phi_q_xi_q_eta_b(self, x: Pair, xi: Pair, eta: Pair) -> Row:
-        d, d_xi, d_eta = 2 * self.d(x), 2 * self.d_xi(x, xi), 2 * self.d_xi(x, eta)
-        d_xi_eta, (s_i, s_j) = 2 * self.d_xi_eta(xi, eta), self.d_s(x)
-        (xi_i, xi_j), (eta_i, eta_j) = self.d_xi_s(x, xi), self.d_xi_s(x, eta)
-        by_i = d_xi_eta @ s_i + d_xi @ eta_i + d_eta @ xi_i - d @ C(xi.p_i, eta.p_i)
-        by_j = d_xi_eta @ s_j + d_xi @ eta_j + d_eta @ xi_j + d @ C(xi.p_j, eta.p_j)
-        return row(by_i), row(by_j), None
-
-    def Phi_qT_lam_b(self, x: Pair, lam: Array) -> Grid:
-        factor, (by_i, by_j) = 2 * lam[0], self.d_qT_y_s(x, self.d(x))
-        return tuple((factor * by_i[n], factor * by_j[n], None) for n in range(4))
 
 
 class DistanceDriver(Distance, rows=1, derivatives="automatic", rare=True):

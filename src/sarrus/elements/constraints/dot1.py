@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from ...algebra import Array, Row, row
-from ...euler import A, B, C, D, K, rotate
+from ...euler import B, D, rotate
 from ..element import Grid, Pair, Primitive, Vec3
 
 
-class Dot1(Primitive, rows=1):
+class Dot1(Primitive, rows=1, derivatives="automatic"):
     """Φ = a_iᵀ a_j [1 for unit vectors]."""
 
     a_i: Vec3  # [-] fixed in body i
@@ -54,30 +54,3 @@ class Dot1(Primitive, rows=1):
             (None, None, None, None),
             (None, X.T, None, lam[0] * D(self.a_j, B_i @ xi.p_i)),
         )
-
-    def Phi_b(self, x: Pair) -> Row:
-        return row(rotate(x.p_j, self.a_j) @ A(x.p_i)), row(rotate(x.p_i, self.a_i) @ A(x.p_j))
-
-    def Phi_q_xi_b(self, x: Pair, xi: Pair) -> Row:
-        a_i, a_j = rotate(x.p_i, self.a_i), rotate(x.p_j, self.a_j)
-        by_i = a_j @ C(x.p_i, xi.p_i) + (B(x.p_j, self.a_j) @ xi.p_j) @ A(x.p_i)
-        by_j = a_i @ C(x.p_j, xi.p_j) + (B(x.p_i, self.a_i) @ xi.p_i) @ A(x.p_j)
-        return row(by_i), row(by_j)
-
-    def Phi_q_xi_q_eta_b(self, x: Pair, xi: Pair, eta: Pair) -> Row:
-        by_i = _second(self.a_j, x.p_j, xi.p_j, eta.p_j, x.p_i, xi.p_i, eta.p_i)
-        by_j = _second(self.a_i, x.p_i, xi.p_i, eta.p_i, x.p_j, xi.p_j, eta.p_j)
-        return row(by_i), row(by_j)
-
-    def Phi_qT_lam_b(self, x: Pair, lam: Array) -> Grid:
-        a_i, a_j = rotate(x.p_i, self.a_i), rotate(x.p_j, self.a_j)
-        B_i, B_j = B(x.p_i, self.a_i), B(x.p_j, self.a_j)
-        by_i = lam[0] * K(x.p_i, a_j), lam[0] * (B_i.T @ A(x.p_j))
-        by_j = lam[0] * (B_j.T @ A(x.p_i)), lam[0] * K(x.p_j, a_i)
-        return (None, None), by_i, (None, None), by_j
-
-
-def _second(a: Array, p: Array, xi: Array, eta: Array, pb: Array, xib: Array, etab: Array) -> Array:
-    """Second derivative along ξ and η of aᵀA(p)ᵀA(pb), the derivative of Φ to the other body's vector."""
-    first, second = B(p, a) @ xi, B(p, a) @ eta
-    return rotate(p, a) @ C(xib, etab) + first @ C(pb, etab) + second @ C(pb, xib) + (B(xi, a) @ eta) @ A(pb)

@@ -7,11 +7,11 @@ unit p only; the kernels below are exact derivatives of the reduced form for any
 from __future__ import annotations
 
 from ...algebra import Array, Row, row
-from ...euler import A, B, C, D, K, rotate
+from ...euler import B, D, rotate
 from ..element import Grid, Pair, Primitive, Vec3
 
 
-class Dot2(Primitive, rows=1):
+class Dot2(Primitive, rows=1, derivatives="automatic"):
     """Φ = a_iᵀ (r_j + s_j - r_i) - a_i·s_i [m for a unit vector]."""
 
     a_i: Vec3  # [-] fixed in body i
@@ -68,27 +68,3 @@ class Dot2(Primitive, rows=1):
             (None, Bxi_i, None, None),
             (None, X.T, None, jj),
         )
-
-    def Phi_b(self, x: Pair) -> Row:
-        by_a = self._h(x) @ A(x.p_i) - self.s_i
-        return row(by_a), row(-self.a_i), row(rotate(x.p_i, self.a_i) @ A(x.p_j))
-
-    def Phi_q_xi_b(self, x: Pair, xi: Pair) -> Row:
-        by_a = self._h_xi(x, xi) @ A(x.p_i) + self._h(x) @ C(x.p_i, xi.p_i)
-        turn = B(x.p_i, self.a_i) @ xi.p_i
-        return row(by_a), None, row(turn @ A(x.p_j) + rotate(x.p_i, self.a_i) @ C(x.p_j, xi.p_j))
-
-    def Phi_q_xi_q_eta_b(self, x: Pair, xi: Pair, eta: Pair) -> Row:
-        h_xi_eta = B(xi.p_j, self.s_j) @ eta.p_j
-        by_a = self._h(x) @ C(xi.p_i, eta.p_i) + h_xi_eta @ A(x.p_i)
-        by_a = by_a + self._h_xi(x, xi) @ C(x.p_i, eta.p_i) + self._h_xi(x, eta) @ C(x.p_i, xi.p_i)
-        B_i, a_xi_eta = B(x.p_i, self.a_i), B(xi.p_i, self.a_i) @ eta.p_i
-        by_s = rotate(x.p_i, self.a_i) @ C(xi.p_j, eta.p_j) + a_xi_eta @ A(x.p_j)
-        by_s = by_s + (B_i @ xi.p_i) @ C(x.p_j, eta.p_j) + (B_i @ eta.p_i) @ C(x.p_j, xi.p_j)
-        return row(by_a), None, row(by_s)
-
-    def Phi_qT_lam_b(self, x: Pair, lam: Array) -> Grid:
-        a_i, A_i = rotate(x.p_i, self.a_i), lam[0] * A(x.p_i)
-        by_a = lam[0] * K(x.p_i, self._h(x)), B(x.p_j, self.s_j).T @ A_i
-        by_s = lam[0] * (B(x.p_i, self.a_i).T @ A(x.p_j)), lam[0] * K(x.p_j, a_i)
-        return (-A_i, None, None), (by_a[0], None, by_s[0]), (A_i, None, None), (by_a[1], None, by_s[1])

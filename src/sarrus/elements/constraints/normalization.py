@@ -6,7 +6,7 @@ from ...algebra import I4, Array, Row, row
 from ..element import Grid, Primitive, Single
 
 
-class Normalization(Primitive, rows=1, bodies=1):
+class Normalization(Primitive, rows=1, bodies=1, derivatives="automatic"):
     """Φ = pᵀp - 1 [-]; the system adds one for each body."""
 
     def Phi(self, x: Single) -> Array:  # Eqs. (33), (45)
@@ -26,15 +26,3 @@ class Normalization(Primitive, rows=1, bodies=1):
 
     def Phi_qT_lam_q_xi_q(self, x: Single, lam: Array, xi: Single) -> Grid:
         return (None, None), (None, None)
-
-    def Phi_b(self, x: Single) -> Row:
-        return ()
-
-    def Phi_q_xi_b(self, x: Single, xi: Single) -> Row:
-        return ()
-
-    def Phi_q_xi_q_eta_b(self, x: Single, xi: Single, eta: Single) -> Row:
-        return ()
-
-    def Phi_qT_lam_b(self, x: Single, lam: Array) -> Grid:
-        return (), ()

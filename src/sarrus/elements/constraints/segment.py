@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...algebra import I3, Array
-from ...euler import A, B, C, D, K, rotate
+from ...euler import B, D, rotate
 from ..element import Pair, Vec3
 
 
@@ -36,20 +36,3 @@ class Segment:
     def curvature(self, y: Array) -> dict[tuple[int, int], Array]:
         """The two blocks of the derivative of d_qᵀ y to q for a fixed y. Eq. (44)."""
         return {(1, 1): -D(self.s_i, y), (3, 3): D(self.s_j, y)}
-
-    def d_s(self, x: Pair) -> tuple[Array, Array]:
-        """Derivatives of `d` to s_i and s_j."""
-        return -A(x.p_i), A(x.p_j)
-
-    def d_xi_s(self, x: Pair, xi: Pair) -> tuple[Array, Array]:
-        """Derivatives of `d_xi` to s_i and s_j."""
-        return -C(x.p_i, xi.p_i), C(x.p_j, xi.p_j)
-
-    def d_qT_y_s(self, x: Pair, y: Array) -> tuple[list[Array], list[Array]]:
-        """Derivatives of d_qᵀ d to s_i and s_j, at d = y: four blocks each."""
-        A_i, A_j = self.d_s(x)
-        by_i = [block.T @ A_i for block in self.d_q(x)]
-        by_j = [block.T @ A_j for block in self.d_q(x)]
-        by_i[1] = by_i[1] - K(x.p_i, y)
-        by_j[3] = by_j[3] + K(x.p_j, y)
-        return by_i, by_j

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ...algebra import I3, Array, Block, Row
-from ...euler import A, B, C, D, K, rotate
+from ...algebra import I3, Array, Row
+from ...euler import B, D, rotate
 from ..element import Grid, Pair, Primitive, Vec3
 
 
-class Spherical(Primitive, rows=3):
+class Spherical(Primitive, rows=3, derivatives="automatic"):
     """Φ = r_j + s_j - r_i - s_i [m]."""
 
     s_i: Vec3  # [m] P_i in body i
@@ -31,16 +31,3 @@ class Spherical(Primitive, rows=3):
 
     def Phi_qT_lam_q_xi_q(self, x: Pair, lam: Array, xi: Pair) -> Grid:
         return ((None, None, None, None),) * 4
-
-    def Phi_b(self, x: Pair) -> Row:
-        return -A(x.p_i), A(x.p_j)
-
-    def Phi_q_xi_b(self, x: Pair, xi: Pair) -> Row:
-        return -C(x.p_i, xi.p_i), C(x.p_j, xi.p_j)
-
-    def Phi_q_xi_q_eta_b(self, x: Pair, xi: Pair, eta: Pair) -> Row:
-        return -C(xi.p_i, eta.p_i), C(xi.p_j, eta.p_j)
-
-    def Phi_qT_lam_b(self, x: Pair, lam: Array) -> Grid:
-        zero: tuple[Block, ...] = (None, None)
-        return zero, (-K(x.p_i, lam), None), zero, (None, K(x.p_j, lam))

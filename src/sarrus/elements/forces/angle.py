@@ -72,20 +72,6 @@ class AngleGeometry:
         parts = zip(second, turn.re_q, turn.im_q, strict=True)
         return [a - turn.re_v * im - turn.rate * re for (_, a), re, im in parts]
 
-    def by_axes(self, x: Pair, v: Pair, turn: Turn) -> list[tuple[Array, Array]]:
-        """Derivatives of θ and of its rate to f_i, g_i and f_j."""
-        C, S = self._dots()
-        (c_fi, c_fj), (s_gi, s_fj) = C.Phi_b(x), S.Phi_b(x)
-        (cv_fi, cv_fj), (sv_gi, sv_fj) = C.Phi_q_xi_b(x, v), S.Phi_q_xi_b(x, v)
-        z_b = ((c_fi, 0), (0, s_gi), (c_fj, s_fj))
-        z_v_b = ((cv_fi, 0), (0, sv_gi), (cv_fj, sv_fj))
-        result = []
-        for first, second in zip(z_b, z_v_b, strict=True):
-            re, theta_b = quotient(turn.c, turn.s, turn.rho, *first)
-            _, im = quotient(turn.c, turn.s, turn.rho, *second)
-            result.append((theta_b[0], (im - turn.re_v * theta_b - turn.rate * re)[0]))
-        return result
-
     def w(self, x: Pair) -> tuple[Array, Array]:
         """The two blocks (p_i and p_j) of Q / n for a torque n on body i about h_i, opposed on body j about h_j."""
         return 2 * (self.h_i @ G(x.p_i)), -2 * (self.h_j @ G(x.p_j))

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ...algebra import I3, Array, Row, column
-from ...euler import B, D, K, rotate
+from ...algebra import Array, Row
+from ...euler import B, D, rotate
 from ..element import ZERO_SINGLE, Force, Grid, Scalar, Single, Vec3
 
 
-class Gravity(Force, bodies=1):
+class Gravity(Force, bodies=1, derivatives="automatic"):
     """Q = [m g; 0] [N]."""
 
     mass: Scalar  # [kg]
@@ -26,11 +26,8 @@ class Gravity(Force, bodies=1):
     def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
         return ZERO_SINGLE
 
-    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return (column(self.g), self.mass * I3), (None, None)
 
-
-class EccentricGravity(Force, bodies=1):
+class EccentricGravity(Force, bodies=1, derivatives="automatic"):
     """Q = [m g; m Bᵀg], B = B(p, c), c the centre of mass in the body."""
 
     mass: Scalar  # [kg]
@@ -52,8 +49,3 @@ class EccentricGravity(Force, bodies=1):
 
     def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
         return ZERO_SINGLE
-
-    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
-        B_c = B(x.p, self.center)
-        by_g = self.mass * I3, self.mass * B_c.T
-        return (column(self.g), None, by_g[0]), (column(self.g @ B_c), K(x.p, self._weight()), by_g[1])

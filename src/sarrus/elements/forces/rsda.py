@@ -6,22 +6,21 @@ The paper's k and c are n_θ and n_θ̇.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from ...algebra import Array, Block, Row, column, outer
-from ...euler import G, bar
+from ...algebra import Array, Row, outer
+from ...euler import bar
 from ..element import ZERO_PAIR, Curve, Force, Grid, Memory, Pair, Scalar, Vec3
 from ..output import output
 from .angle import AngleGeometry, Turn
 
 
 class Law(NamedTuple):
-    """Torque, its derivatives to angle and rate, and to the law's own numbers (in the order of the fields)."""
+    """Torque, and its derivatives to angle and rate."""
 
     n: Scalar
     n_angle: Scalar
     n_rate: Scalar
-    n_b: tuple[Scalar, ...]
 
 
 class TurningSpring(AngleGeometry):
@@ -92,23 +91,8 @@ class TurningSpring(AngleGeometry):
         none = ZERO_PAIR[0]
         return none, (None, ii, None, ij), none, (None, ji, None, jj)
 
-    def Q_b(self, x: Pair, v: Pair, t: Scalar) -> Grid:
-        turn, (w_i, w_j) = self.turn(x, v), self.w(x)
-        law = self._law(x, turn, t)
-        by_axes = [law.n_angle * a + law.n_rate * b for a, b in self.by_axes(x, v, turn)]
 
-        def line(w: Array, by_h_i: Block, by_h_j: Block) -> Row:
-            f_i, g_i, f_j = (outer(w, by) for by in by_axes)
-            by_law = [None if n_b is None else column(n_b * w) for n_b in law.n_b]
-            return (f_i, g_i, by_h_i, f_j, by_h_j, *by_law, None)
-
-        by_h = 2 * law.n * G(x.p_i).T, -2 * law.n * G(x.p_j).T
-        first, second = line(w_i, by_h[0], None), line(w_j, None, by_h[1])
-        none: Row = (None,) * len(first)
-        return none, first, none, second
-
-
-class RSDA(TurningSpring, Force):
+class RSDA(TurningSpring, Force, derivatives="automatic"):
     """Torque n = k (θ - angle) + c θ̇ + torque on body i about h_i, opposed on body j about h_j; θ includes revolutions.
 
     `reference` is the angle, with its revolutions, that θ is nearest to; it is a state variable, not a parameter.
@@ -133,7 +117,7 @@ class RSDA(TurningSpring, Force):
 
     def law(self, angle: Scalar, rate: Scalar, t: Scalar) -> Law:
         turned = angle - self.angle
-        return Law(self.k * turned + self.c * rate + self.torque, self.k, self.c, (turned, rate, -self.k, 1))
+        return Law(self.k * turned + self.c * rate + self.torque, self.k, self.c)
 
     def potential(self, x: Pair) -> tuple[Scalar, ...]:
         """½ k (θ - angle)² [J]; the actuator's work is none of it."""
@@ -141,7 +125,7 @@ class RSDA(TurningSpring, Force):
         return (self.k * turned * turned / 2,)
 
 
-class NonlinearRSDA(TurningSpring, Force, rare=True):
+class NonlinearRSDA(TurningSpring, Force, derivatives="automatic", rare=True):
     """Curves for stiffness, damping and actuator: n = k κ(θ) (θ - angle) + c χ(θ̇) θ̇ + torque φ(t)."""
 
     f_i: Vec3  # [-] as in `RSDA`
@@ -169,8 +153,7 @@ class NonlinearRSDA(TurningSpring, Force, rare=True):
         spring, damper, actuator = turned * kappa, chi * rate, self.actuator(t)
         n_angle = self.k * (kappa + turned * self.stiffness.slope(angle))
         n_rate = self.c * (chi + rate * self.damping.slope(rate))
-        n_b: tuple[Any, ...] = (spring, damper, -self.k * kappa, actuator, None, None, None)
-        return Law(self.k * spring + self.c * damper + self.torque * actuator, n_angle, n_rate, n_b)
+        return Law(self.k * spring + self.c * damper + self.torque * actuator, n_angle, n_rate)
 
     def potential(self, x: Pair) -> tuple[Scalar, ...]:
         """∫ k κ(s) (s - angle) ds from the free angle on [J]; the actuator's work is none of it."""

@@ -9,22 +9,21 @@ The paper's k and c are f_l and f_l̇. Singular at l = 0.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..._jit.formulas.functions import sqrt
-from ...algebra import Array, Row, column, outer
+from ...algebra import Array, Row, outer
 from ..constraints.segment import Segment
 from ..element import Curve, Force, Grid, Pair, Scalar, Vec3
 from ..output import output
 
 
 class Law(NamedTuple):
-    """Tension, its derivatives to length and rate, and to the law's own numbers (in the order of the fields)."""
+    """Tension, and its derivatives to length and rate."""
 
     f: Scalar
     f_l: Scalar
     f_rate: Scalar
-    f_b: tuple[Scalar, ...]
 
 
 class Length(NamedTuple):
@@ -110,25 +109,8 @@ class SpringDamper(Segment):
         f_v = [-self.law(size.l, size.rate, t).f_rate * block for block in size.l_q]
         return tuple(tuple(outer(a, b) for b in f_v) for a in size.l_q)
 
-    def Q_b(self, x: Pair, v: Pair, t: Scalar) -> Grid:
-        size, law = self._length(x, v), self.law(*self._length(x, v)[:2], t)
-        by_s = self._by_points(x, v, size, law)
-        by_law = [[None if f_b is None else column(-f_b * block) for f_b in law.f_b] for block in size.l_q]
-        return tuple((by_s[0][m], by_s[1][m], *by_law[m]) for m in range(4))
 
-    def _by_points(self, x: Pair, v: Pair, size: Length, law: Law) -> list[list[Array]]:
-        d, w = self.d(x), self.d_xi(x, v)
-        result = []
-        for d_s, w_s, d_qT_d_s in zip(self.d_s(x), self.d_xi_s(x, v), self.d_qT_y_s(x, d), strict=True):
-            l_s = (d @ d_s) / size.l
-            rate_s = (w @ d_s + d @ w_s - size.rate * l_s) / size.l
-            change = (law.f_l - law.f / size.l) * l_s + law.f_rate * rate_s
-            blocks = zip(size.l_q, d_qT_d_s, strict=True)
-            result.append([-outer(l_q, change) - (law.f / size.l) * block for l_q, block in blocks])
-        return result
-
-
-class TSDA(SpringDamper, Force):
+class TSDA(SpringDamper, Force, derivatives="automatic"):
     """Linear spring, damper and constant actuator: f = k (l - length) + c l̇ + force. Eq. (60)."""
 
     s_i: Vec3  # [m] P_i in body i
@@ -146,7 +128,7 @@ class TSDA(SpringDamper, Force):
 
     def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:
         stretch = l - self.length
-        return Law(self.k * stretch + self.c * rate + self.force, self.k, self.c, (stretch, rate, -self.k, 1))
+        return Law(self.k * stretch + self.c * rate + self.force, self.k, self.c)
 
     def potential(self, x: Pair) -> tuple[Scalar, ...]:
         """½ k (l - length)² [J]; the actuator's work is none of it."""
@@ -155,7 +137,7 @@ class TSDA(SpringDamper, Force):
         return (self.k * stretch * stretch / 2,)
 
 
-class NonlinearTSDA(SpringDamper, Force):
+class NonlinearTSDA(SpringDamper, Force, derivatives="automatic"):
     """Curves for stiffness, damping and actuator: f = k κ(l) (l - length) + c χ(l̇) l̇ + force φ(t)."""
 
     s_i: Vec3  # [m] P_i in body i
@@ -179,8 +161,7 @@ class NonlinearTSDA(SpringDamper, Force):
         spring, damper, actuator = stretch * kappa, chi * rate, self.actuator(t)
         f_l = self.k * (kappa + stretch * self.stiffness.slope(l))
         f_rate = self.c * (chi + rate * self.damping.slope(rate))
-        f_b: tuple[Any, ...] = (spring, damper, -self.k * kappa, actuator, None, None, None)
-        return Law(self.k * spring + self.c * damper + self.force * actuator, f_l, f_rate, f_b)
+        return Law(self.k * spring + self.c * damper + self.force * actuator, f_l, f_rate)
 
     def potential(self, x: Pair) -> tuple[Scalar, ...]:
         """∫ k κ(s) (s - length) ds from the free length on [J]; the actuator's work is none of it."""

@@ -106,11 +106,12 @@ def test_loads_that_jump(name: str) -> None:
     ("name", "smooth"),
     [("spring, thrown", True), ("example: double pendulum", True), ("load switched on and off", False)],
 )
+@pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()])
 def test_ends_of_steps_are_points_of_the_rule(
-    name: str, smooth: bool, monkeypatch: pytest.MonkeyPatch
+    name: str, smooth: bool, method: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where forces do not jump there: the estimates of Gauss's rule. At ends with jumps, they were 262 times these."""
-    run, names = stored(name)
+    run, names = stored(name, method)
     found = run.error(names)
     monkeypatch.setattr(error_estimates, "_jumps", lambda *_: True)
     for one, inside in zip(found, run.error(names), strict=True):
@@ -267,13 +268,15 @@ def test_an_estimate_costs_about_a_gradient(name: str) -> None:
     assert least[True] <= SPREAD * least[False]
 
 
-def stored(name: str) -> tuple[sr.Trajectory, list[str]]:
-    """A default run with stored steps, and the outputs that are known."""
+def stored(name: str, method: Any = None) -> tuple[sr.Trajectory, list[str]]:
+    """A run with stored steps, and the outputs that are known."""
     problem = problem_of(name)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         system, start = problem.make()
-        run = sr.simulate(system, start, until=problem.until, events=problem.events, store="steps")
+        run = sr.simulate(
+            system, start, until=problem.until, method=method, events=problem.events, store="steps"
+        )
     columns = [as_column(one) for kind in KINDS if kind in problem.read for one in problem.read[kind]]
     return run, list(dict.fromkeys(name for column in columns for name in column.outputs))
 

@@ -76,7 +76,8 @@ def counted(rule: Rule, x: float) -> float:
     ("factor", "used", "total"), [(-1.5, True, -3.0), (-1.5, False, 2.0), (np.inf, True, np.inf)]
 )
 def test_numbers_are_fixed_and_scalars_by_name_are_shared(factor: float, used: bool, total: float) -> None:
-    count = Count.of(0.0, 0, True)
+    count = Count.zeros()
+    count.assign((0.0, 0, True))
     add = Bound(counted, Rule(factor, used, count))
     assert add(2.0) == count.total == total
     count.on = False

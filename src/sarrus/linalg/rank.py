@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 from scipy.linalg import qr
+from scipy.linalg.lapack import dtrtri
 from scipy.sparse import csr_array, eye_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
@@ -33,7 +34,7 @@ class Rank:
     ----------
     rank : number of independent rows
     null : (m, m - rank) orthonormal combinations of unit rows that vanish
-    smallest : smallest singular value that is not taken for zero, rows scaled to unit length
+    smallest : smallest singular value that is not taken for zero, rows scaled to unit length, or a bound from below
     """
 
     rank: int
@@ -41,28 +42,22 @@ class Rank:
     smallest: float
 
 
-class SparsePattern(Protocol):
-    """Interface of matrices with a pattern by rows."""
-
-    @property
-    def shape(self) -> tuple[int, ...]: ...
-    @property
-    def indptr(self) -> Array: ...
-    @property
-    def indices(self) -> Array: ...
-
-
-def rank_of(J: csr_array, tolerance: float | None = None, parts: tuple[Array, int] | None = None) -> Rank:
+def rank_of(
+    J: csr_array,
+    tolerance: float | None = None,
+    parts: tuple[Array, int] | None = None,
+    enough: float = np.inf,
+) -> Rank:
     """Analyse each connected component of J by itself: by singular values, large ones by inverse iteration.
 
     The tolerance is by default that of `zero_below`; `parts` are the `components` of its pattern, if they are known.
+    Where a QR decomposition shows that all singular values are above `enough`, only a bound of them is computed.
     """
-    unit = unit_rows(J)
-    labels, count = parts or components(J)
+    unit, (labels, count) = unit_rows(J), parts or components(J)
     nulls, smallest = [], np.inf
     for n in range(count):
         rows = np.flatnonzero(labels == n)
-        null, least = _null_of(unit if count == 1 else unit[rows], tolerance)
+        null, least = _null_of(unit if count == 1 else unit[rows], tolerance, enough)
         wide = np.zeros((J.shape[0], null.shape[1]))
         wide[rows] = null
         nulls.append(wide)
@@ -125,7 +120,7 @@ def independent_rows(null: Array, last: Array) -> Array:
     return np.setdiff1d(np.arange(len(null)), dropped)
 
 
-def components(J: SparsePattern) -> tuple[Array, int]:
+def components(J: Any) -> tuple[Array, int]:
     """The component of each row, and how many there are: rows that share a column belong together."""
     m, n = J.shape
     pointers = np.concatenate([J.indptr, np.full(n, J.indptr[-1])])
@@ -135,18 +130,31 @@ def components(J: SparsePattern) -> tuple[Array, int]:
     return labels, len(names)
 
 
-def _null_of(unit: csr_array, tolerance: float | None) -> tuple[Array, float]:
+def _null_of(unit: csr_array, tolerance: float | None, enough: float) -> tuple[Array, float]:
     m, used = unit.shape[0], np.unique(unit.indices)
     tolerance = zero_below(m) if tolerance is None else tolerance
     if m > DENSE_UP_TO:
         with one_thread.held():  # blocks of a few vectors gain nothing by others
             return _null_by_iteration(unit, tolerance, m - len(used))
     dense = (unit if 2 * len(used) > unit.shape[1] else unit[:, used]).toarray()
+    inverse = inverse_if_regular(np.linalg.qr(dense.T, mode="r"), tolerance) if enough < np.inf else None
+    if inverse is not None and (least := float(1 / np.linalg.norm(inverse))) > enough:
+        return np.zeros((m, 0)), least
     values = np.linalg.svd(dense, compute_uv=False)
     values = np.concatenate([values, np.zeros(m - len(values))])
     zero = values <= tolerance * values.max(initial=0.0)
     left = np.linalg.svd(dense)[0] if np.any(zero) else np.zeros((m, m))  # vectors cost the most
     return left[:, zero], float(values[~zero].min(initial=np.inf))
+
+
+def inverse_if_regular(triangle: Any, tolerance: float) -> Array | None:
+    """R⁻¹ (m, m) for rowsᵀ = QR of m unit rows, if it shows that all singular values are above the tolerance.
+
+    The largest is at most √m, the smallest at least 1 over the norm of the inverse.
+    """
+    n, m = triangle.shape
+    inverse, failed = dtrtri(triangle[:m]) if 0 < m <= n else (triangle, 1)
+    return inverse if not failed and np.sqrt(m) * np.linalg.norm(inverse) < 1 / tolerance else None
 
 
 def _null_by_iteration(unit: csr_array, tolerance: float, surplus: int) -> tuple[Array, float]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import cache, wraps
 from threading import Lock
-from typing import Any, ParamSpec, Protocol, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -21,19 +21,10 @@ def one_thread_if_small(analysis: Callable[P, R]) -> Callable[P, R]:
     def limited(*args: P.args, **kwargs: P.kwargs) -> R:
         first = args[0] if args else next(iter(kwargs.values()), None)
         system = first if hasattr(first, "nq") else getattr(first, "system", None)
-        if getattr(system, "nq", SMALL) >= SMALL:
-            return analysis(*args, **kwargs)
-        with one_thread.held():
+        with one_thread.held() if getattr(system, "nq", SMALL) < SMALL else nullcontext():
             return analysis(*args, **kwargs)
 
     return limited
-
-
-class Limiter(Protocol):
-    """Interface of the limiter of threads of `threadpoolctl`."""
-
-    def restore_original_limits(self) -> None:
-        """End it."""
 
 
 class _Limit:
@@ -41,7 +32,7 @@ class _Limit:
 
     def __init__(self) -> None:
         self._lock, self._count = Lock(), 0
-        self._limiter: Limiter | None = None
+        self._limiter: Any = None
 
     @contextmanager
     def held(self) -> Iterator[None]:

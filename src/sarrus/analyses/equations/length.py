@@ -23,7 +23,7 @@ from ...system.structure.population import Population
 POINTS = {"s": 0, "center": 0, "s_i": 0, "s_j": 1}  # fields of elements that hold a point, and of which body
 RADIUS = "radius"  # field of constraints of rolling bodies
 SMALL = 0.01  # of the radius of gyration: a model has no dimensions below it
-NEXT, LAST = [1, 2, 0], [2, 0, 1]  # axes in cyclic order
+NEXT, LAST = np.array([[1, 2, 0], [2, 0, 1]])  # axes in cyclic order
 LEAST_LEVER = 1e-6  # of the extent: lever arms below it are round-off of positions far from the origin
 
 
@@ -32,9 +32,9 @@ def extent(system: System, q: Array) -> float:
 
     Without any two different points it is the radius of gyration, and 1 m without inertia.
     """
-    points = np.concatenate([q[system.layout.positions], _points(system, q)])
-    size, noise = float(np.ptp(points, axis=0).max(initial=0.0)), 1e-12 * float(abs(points).max(initial=0.0))
-    return size if size > noise else radius_of_gyration(system) or 1.0
+    points = np.concatenate([q[system.layout.positions].T, *_points(system, q)], axis=1)
+    size, radius = float((points.max(axis=1) - points.min(axis=1)).max()), radius_of_gyration(system)
+    return size if size > 1e-12 * max(float(abs(points).max()), radius) else radius or 1.0
 
 
 def lever(system: System, q: Array, J: csr_array) -> float:
@@ -134,12 +134,13 @@ def scaled(J: csr_array, unit: Array) -> csr_array:
     return with_data(J, J.data * unit[J.indices])
 
 
-def _points(system: System, q: Array) -> Array:
-    """Points of elements in global axes (count, 3)."""
+def _points(system: System, q: Array) -> tuple[Array, Array]:
+    """Points of elements in global axes, on the ground and on bodies (3, count)."""
     fixed, moving, firsts = _places(system)
-    (r, p), s = np.split(q[firsts + np.arange(WIDTH)[:, None]], [POSITION]), system.b[moving.T]
-    e0, e = p[0], p[1:]
-    return np.concatenate([system.b[fixed], (r + s + 2 * _cross(e, _cross(e, s) + e0 * s)).T])
+    x, s = q[firsts + np.arange(WIDTH)[:, None]], system.b[moving.T]
+    e0, e_next, e_last = x[POSITION], x[POSITION + 1 + NEXT], x[POSITION + 1 + LAST]
+    d = e_next * s[LAST] - e_last * s[NEXT] + e0 * s
+    return system.b[fixed.T], x[:POSITION] + s + 2 * (e_next * d[LAST] - e_last * d[NEXT])
 
 
 @once_alike
@@ -168,11 +169,6 @@ def _fields(system: System) -> Iterator[tuple[Array, Array | None]]:
                     slot = p.variant.slots[side]
                     at = first_places(p, name)[:, None] + np.arange(3)
                     yield at, None if slot < 0 else p.bodies[:, slot]
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """Vector products of columns."""
-    return np.asarray(a[NEXT] * b[LAST] - a[LAST] * b[NEXT])
 
 
 @once

@@ -10,14 +10,16 @@ from scipy.linalg import eigh, qr
 from scipy.sparse import csr_array
 
 from ...algebra import Array
-from ...linalg.rank import DEPENDENT, TOLERANCE
+from ...linalg.rank import DEPENDENT, TOLERANCE, inverse_if_regular
 from ...model import ModelError
 from ...system import System
 from .length import LEAST_LEVER, extent, units
 
 
 class NullSpace:
-    """Singular values of J (m, n), its rows scaled to unit length. Dense: for up to about a thousand coordinates.
+    """Rank of J (m, n), its rows scaled to unit length. Dense: for up to about a thousand coordinates.
+
+    By singular values, unless a QR decomposition shows that all rows are independent.
 
     Parameters
     ----------
@@ -35,16 +37,20 @@ class NullSpace:
     """
 
     def __init__(self, J: Any, unit: Array, tolerance: float = DEPENDENT) -> None:
-        self._unit = unit
-        rows, self.lengths = scaled_rows(J, unit)
-        left, sizes, right = np.linalg.svd(rows, full_matrices=True)
-        largest = sizes.max(initial=0.0)
-        self.rank = int(np.count_nonzero(sizes > tolerance * largest))
-        self.regular = int(np.count_nonzero(sizes > TOLERANCE * largest)) == len(left)
-        self._left, self._other_left = left[:, : self.rank], left[:, self.rank :]
-        self._sizes = sizes[: self.rank]
-        self._right = right[: self.rank].T
-        self.Z, self.share = self._unit[:, None] * right[self.rank :].T, right[self.rank :] / self._unit
+        self._unit, (rows, self.lengths) = unit, scaled_rows(J, unit)
+        basis, triangle = np.linalg.qr(rows.T, mode="complete")
+        inverse = inverse_if_regular(triangle, max(tolerance, TOLERANCE))
+        # first-order states, which have units of their own, are in no equation
+        if inverse is not None and rows.any(axis=0).all():
+            self.rank, self.regular, self._other_left, self._inverse = len(rows), True, rows[:, :0], inverse.T
+        else:
+            left, sizes, right = np.linalg.svd(rows, full_matrices=True)
+            ratios, basis = sizes / (sizes.max(initial=0.0) or 1.0), right.T
+            self.rank, regular = (int(np.count_nonzero(ratios > x)) for x in (tolerance, TOLERANCE))
+            self.regular, self._other_left = regular == len(left), left[:, self.rank :]
+            self._inverse = (left[:, : self.rank] / sizes[: self.rank]).T
+        self._right, free = basis[:, : self.rank], basis[:, self.rank :]
+        self.Z, self.share = unit[:, None] * free, free.T / unit
 
     @cached_property
     def null(self) -> Array:
@@ -53,12 +59,11 @@ class NullSpace:
 
     def change(self, g: Array) -> Array:
         """The shortest x with J x = g, for a vector or columns; the nearest to it where there is none."""
-        scaled = (g.T / self.lengths).T
-        return np.asarray((self._unit * (self._right @ ((self._left.T @ scaled).T / self._sizes).T).T).T)
+        return np.asarray((self._unit * (self._right @ (self._inverse @ (g.T / self.lengths).T)).T).T)
 
     def multipliers(self, f: Array) -> Array:
         """Return a y with Jᵀ y = f, up to the part of f along Z; the other ones differ by combinations of `null`."""
-        return np.asarray(self._left @ ((self._right.T @ (self._unit * f)) / self._sizes) / self.lengths)
+        return np.asarray(self._inverse.T @ (self._right.T @ (self._unit * f)) / self.lengths)
 
 
 def scaled_rows(J: Any, unit: Array) -> tuple[Array, Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import lstsq
 from scipy.sparse import csr_array
 
 from ...algebra import Array
@@ -101,14 +102,13 @@ def onto(
     length : by which displacements are measured, by default the largest lever arm at q [m]
     """
     J, residual = system.Phi_q(q, t, b=b), system.Phi(q, t, b=b)
-    layout, length = system.layout, length or lever(system, q, J)
-    unit = layout.scales(length)
+    layout, unit = system.layout, system.layout.scales(length := length or lever(system, q, J))
     for _ in range(steps):
         if np.all(abs(residual) <= allowed(layout, J, q, length, TOLERANCE)):
             return q, True
         rows, lengths = scaled_rows(J, unit)
-        change = unit * np.linalg.lstsq(rows, -residual / lengths, rcond=DEPENDENT)[0]
-        there, after = _shortened(system, q, t, b, change, residual, lengths)
+        change = lstsq(rows, -residual / lengths, DEPENDENT, check_finite=False, lapack_driver="gelsy")[0]
+        there, after = _shortened(system, q, t, b, unit * change, residual, lengths)
         if largest(after / lengths) >= largest(residual / lengths):
             break
         q, residual, J = there, after, system.Phi_q(there, t, b=b)

@@ -8,7 +8,7 @@ of least norm, see `minimum_norm`, of all that give the same constraint forces �
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
+from functools import cached_property, partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -55,21 +55,24 @@ class Independence:
     rows : indices in Φ of the equations chosen, or None where all are independent
     known : how many equations depend on others
     length : by which displacements are measured, in all positions
-    smallest : smallest singular value of Φ_q, rows at unit length, that is not taken for zero, at the start
     nearly : message on constraints that were nearly dependent there, or empty
     """
 
     def __init__(self, system: System, q: Array, t: float = 0.0) -> None:
         self._system, self._fixed = system, normalizations(system)
         self.length = lever(system, q, J := system.Phi_q(q, t))
-        rank = rank_of(scaled(J, system.layout.scales(self.length)), parts=_components(system))
-        self._null, self.smallest = rank.null, rank.smallest
-        self.nearly = self._message(q, t) if self.smallest < NEARLY / len(system.bodies) ** 2 else ""
+        least, self._start = NEARLY / len(system.bodies) ** 2, (q.copy(), t)
+        rank = rank_of(scaled(J, system.layout.scales(self.length)), None, _components(system), least)
         self.rows: Array | None = None
         self._looked_at: tuple[float, bytes] | None = None
+        self._choose(rank.null)
         self.known = self._null.shape[1]
-        if self._null.shape[1]:
-            self._choose(self._null)
+        self.nearly = self._message(q, t) if rank.smallest < least else ""
+
+    @cached_property
+    def smallest(self) -> float:
+        """Smallest singular value of Φ_q, rows at unit length, that is not taken for zero, at the start."""
+        return rank_of(self.scaled_Phi_q(*self._start), parts=_components(self._system)).smallest
 
     def _message(self, q: Array, t: float) -> str:
         near = rank_of(self.scaled_Phi_q(q, t), 2 * self.smallest, _components(self._system)).null
@@ -87,8 +90,10 @@ class Independence:
         return scaled(self._system.Phi_q(q, t), self._system.layout.scales(self.length))
 
     def _choose(self, null: Array) -> None:
-        self.rows = independent_rows(null, self._fixed)
-        self._minimum = MinimumNorm(self._system, self.rows)
+        self._null = null
+        if null.shape[1]:
+            self.rows = independent_rows(null, self._fixed)
+            self._minimum = MinimumNorm(self._system, self.rows)
 
     def state(self) -> dict[str, Array]:
         """Return the data of the choice for `resume`."""
@@ -96,9 +101,8 @@ class Independence:
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Take over a choice made before."""
-        self._null, self._looked_at = state["null"], None
-        if self._null.shape[1]:
-            self._choose(self._null)
+        self._looked_at = None
+        self._choose(state["null"])
 
     def renew(self, t: float, q: Array) -> bool:
         """Choose again at another position, if the choice is no longer good there; true if there is another choice.
@@ -111,11 +115,9 @@ class Independence:
         if not self._poor(t, q):
             return False
         null = rank_of(self.scaled_Phi_q(q, t), parts=_components(self._system)).null
-        if null.shape != self._null.shape:
-            return False
-        self._null = null
-        self._choose(null)
-        return True
+        if same := null.shape == self._null.shape:
+            self._choose(null)
+        return same
 
     def _poor(self, t: float, q: Array) -> bool:
         try:
@@ -163,9 +165,8 @@ class Independence:
             raise InconsistentConstraints(start.message)
         if self.rows is None:
             return
-        t = start.t
-        lengths = self.row_lengths(start.q, t)
-        scaled = self._system.gamma(start.q, start.v, t) / lengths
+        lengths = self.row_lengths(start.q, start.t)
+        scaled = self._system.gamma(start.q, start.v, start.t) / lengths
         missing = self._null @ (self._null.T @ scaled)
         if abs(missing).max() > CONTRADICTION * max(abs(scaled).max(), CONTRADICTION):
             row = self._system.row_names[int(np.argmax(abs(missing)))]

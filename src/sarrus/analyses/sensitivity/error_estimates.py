@@ -34,10 +34,13 @@ from .responses.responses import Response
 from .sampling.settled import settled
 
 EPS = float(np.finfo(float).eps)
-POINTS = 3  # of Gauss's rule, of degree 5: with the step an error of order seven, of orders up to five
-POINTS_OF_ORDER_TWO = 2  # of degree 3
-LOBATTO = (1 + np.array([-1.0, 1.0]) / np.sqrt(5)) / 2, np.full(2, 5 / 12)  # points inside, of degree 5
-OF_ENDS = 1 / 12  # their weight in this rule
+# Points of Gauss's rules by whether steps are precise, of degrees 5 and 3: with the step errors of order 7 and 5
+POINTS = {True: 3, False: 2}
+# Points inside, their weights and that of the ends in Lobatto's rules of the same degrees
+LOBATTO = {
+    True: ((1 + np.array([-1.0, 1.0]) / np.sqrt(5)) / 2, np.full(2, 5 / 12), 1 / 12),
+    False: (np.full(1, 0.5), np.full(1, 2 / 3), 1 / 6),
+}
 
 
 class Effects(NamedTuple):
@@ -98,26 +101,27 @@ class Defect(NamedTuple):
 
 def defect(system: System, steps: StepsTaken, *, whole: bool) -> Defect:
     """The defect of all steps; whether they are the `whole` run."""
-    if whole and not _jumps(system, steps):
-        (s, w), of_ends = LOBATTO, OF_ENDS
-    else:
-        (s, w), of_ends = rule(POINTS if steps.precise else POINTS_OF_ORDER_TWO), 0.0
+    gauss = not whole or _jumps(system, steps)
+    s, w, of_ends = (*rule(POINTS[steps.precise]), 0.0) if gauss else LOBATTO[steps.precise]
     h = np.diff(steps.t)[:, None]
     found = settled(system, steps, (steps.t[:-1, None] + h * s).ravel(), shortest=False)
     q, v, a = (x.reshape(len(h), len(s), -1) for x in (found.q, found.v, found.a))
-    first, last = _nodes(system, steps)
+    # velocities of methods of order two are only near the constraints
+    nodes = steps if steps.precise else settled(system, steps, steps.t, shortest=False)
+    states, rates = (np.concatenate(x, axis=1) for x in ((steps.q, nodes.v), (nodes.v, nodes.a)))
+    first, last = states[:-1], states[1:]
     mean, early, late = _sums(w, q, v), _sums(w * (1 - s), v, a), _sums(w * s, v, a)
-    if of_ends:
+    if not gauss:
         mean += of_ends * (first + last)
-        rates = of_ends * np.concatenate([steps.v, steps.a], axis=1)
-        early, late = early + rates[:-1], late + rates[1:]
+        early += of_ends * rates[:-1]
+        late += of_ends * rates[1:]
     return Defect(mean - first - h * early, last - mean - h * late)
 
 
 def _jumps(system: System, steps: StepsTaken) -> bool:
-    """Whether forces may jump at the ends of steps, or these are no exact states."""
+    """Whether forces may jump at the ends of steps."""
     moves = timed(system) or bool(forces(system, has_kinks)) or np.any(steps.memory != steps.memory[:1])
-    return bool(moves) or not steps.precise
+    return bool(moves)
 
 
 def _sums(weights: Array, *states: Array) -> Array:
@@ -130,10 +134,3 @@ def rule(points: int) -> tuple[Array, Array]:
     """Gauss's points and weights between 0 and 1."""
     x, w = np.polynomial.legendre.leggauss(points)
     return (x + 1) / 2, w / 2
-
-
-def _nodes(system: System, steps: StepsTaken) -> tuple[Array, Array]:
-    """States before and after steps, on the constraints; velocities of methods of order two are only near them."""
-    v = steps.v if steps.precise else settled(system, steps, steps.t, shortest=False).v
-    states = np.concatenate([steps.q, v], axis=1)
-    return states[:-1], states[1:]

@@ -109,6 +109,7 @@ class Switch(NamedTuple):
     table: Curve | None = None
 
 
+@cache
 def no_switching(nq: int) -> Switching:
     """Switching functions of a run whose steps end at none."""
     return _compiled((), NONE, lambda one, argument: 0, 0, nq, lambda one: False, False)

@@ -161,9 +161,8 @@ class EnergyCheck(RunPart):
         self._greatest = max(self._greatest, float(kinetic.max()))
         beyond = np.zeros((2, len(h)))
         for energy, beyond in self._explained(nodes, h, kinetic + potential, power, closely):
-            round_off = (
-                ERRORS * np.finfo(float).eps * np.max(abs(energy), initial=0.0, where=np.isfinite(energy))
-            )
+            largest = np.max(abs(energy), initial=0.0, where=np.isfinite(energy))
+            round_off = ERRORS * np.finfo(float).eps * largest
             if not _sums(beyond).max() > GROWTH * self._greatest * h.sum() / self.span + round_off:
                 return None
         sizes = np.maximum(self._system.layout.scales(extent(self._system, nodes.q[0])), abs(nodes.q))
@@ -243,7 +242,7 @@ def _beyond(h: Array, energy: Array, powers: Array) -> Array:
 def _near(power: Array) -> Array:
     """The powers at the ends of each step, and of those before and after it (steps, 4)."""
     every = np.concatenate([power[:1], power, power[-1:]])
-    return np.stack([every[k : len(power) - 1 + k] for k in range(4)], axis=1)
+    return np.asarray(every[np.arange(len(power) - 1)[:, None] + np.arange(4)])
 
 
 def _sums(beyond: Array) -> Array:

@@ -49,7 +49,7 @@ BUDGETS = {
     "outputs": Size(1310, 15, 1, 2),
     "results": Size(2515, 38, 12, 0),
     "studies": Size(1802, 15, 12, 0),
-    "system": Size(1951, 24, 24, 1),
+    "system": Size(1949, 24, 24, 1),
     "vehicles": Size(1975, 18, 18, 0),
     "views": Size(3101, 37, 47, 0),
 }

@@ -90,10 +90,8 @@ class Entries:
         """The gradient (size, k) of the operator's sum over rows and times with weights (nt, height, k)."""
         found = np.zeros((size, weights.shape[2]))
         for rows, slopes, columns, basis in self._parts:
-            places, at = np.unique(columns, return_inverse=True)
-            times = np.tile(np.arange(self._times), len(columns))
-            by_times = csr_array((basis.ravel(), (at.ravel(), times)), shape=(len(places), self._times))
-            found[places] += by_times @ np.einsum("nt,tnk->tk", slopes, weights[:, rows])
+            for k, by_value in enumerate(np.einsum("nt,tnk->kt", slopes, weights[:, rows])):
+                found[:, k] += np.bincount(columns.ravel(), (basis * by_value).ravel(), size)
         return found
 
     def along_column(self, column: int, moved: Array, height: int) -> Array:

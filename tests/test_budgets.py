@@ -41,17 +41,17 @@ BUDGETS = {
     "analyses/workspace": Size(3435, 32, 66, 0),
     "bridges": Size(158, 5, 0, 0),
     "cli": Size(1513, 28, 11, 0),
-    "elements": Size(2787, 59, 14, 0),
-    "io": Size(5837, 65, 28, 0),
+    "elements": Size(2733, 59, 14, 0),
+    "io": Size(5764, 65, 28, 0),
     "linalg": Size(1513, 17, 24, 0),
     "mechanisms": Size(10, 1, 0, 0),
-    "model": Size(11529, 134, 61, 0),
+    "model": Size(11457, 134, 61, 0),
     "outputs": Size(1310, 15, 1, 2),
     "results": Size(2515, 38, 12, 0),
-    "studies": Size(1802, 15, 12, 0),
+    "studies": Size(1799, 15, 12, 0),
     "system": Size(1949, 24, 24, 1),
-    "vehicles": Size(1975, 18, 18, 0),
-    "views": Size(3101, 37, 47, 0),
+    "vehicles": Size(1844, 17, 18, 0),
+    "views": Size(3078, 37, 47, 0),
 }
 
 WITH_DOCSTRING = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)

@@ -371,7 +371,7 @@ def _tyre_depth(e, q, height, bump):
 
 def road_tyre(e, state):
     """The road's height under the wheel changes as the wheel moves and as time passes."""
-    profile, bump = state.store[:12], state.store[12:24]
+    bump, profile = state.store[:12], state.store[12:24]
     return _on_road(e, state, lambda P: _curve(profile, P[0]), bump)
 
 

@@ -83,6 +83,8 @@ def test_units_are_short(unit: str, wanted: str) -> None:
         ("rms(pin.force.z) / spring.k", "m"),
         ("sqrt(integral(slider.x))", "m^0.5 s^0.5"),
         (sr.Final("atan(slider.velocity.x/slider.velocity.z)"), "rad"),
+        (sr.Final("atan2(slider.x, 2) - abs(atan(slider.x/slider.z))"), "rad"),
+        (sr.Final("2*atan(slider.x/slider.z)"), "1"),
         (sr.Combined(lambda x, y: x / y, [sr.Final("atan2(slider.x, 2)"), "slider.x"]), "rad/m"),
     ],
 )

@@ -226,8 +226,8 @@ WRONG: list[tuple[dict[str, float], dict[str, bool], str]] = [
     ({"QCRP1": -0.2}, {"turn_slip": True}, "QCRP1 must be greater than 0 for turn_slip, but is -0.2"),
     ({"PECP1": 1.0}, {"turn_slip": True}, "PECP1 must be less than 1 for turn_slip, but is 1"),
     ({"RCY1": 0.0}, {}, "coefficients has RCX1, but no RCY1, for forces in combined slip"),
-    (CAMBER | {"WIDTH": 0.0}, {}, "WIDTH must be greater than 0 and less than inf, with Q_CAM1"),
-    (CAMBER | {"ASPECT_RATIO": 55.0}, {}, "ASPECT_RATIO must be greater than 0 and less than 2"),
+    (CAMBER | {"WIDTH": 0.0}, {}, r"WIDTH must be greater than 0, which Q_CAM1 and Q_CAM2 need\. Correct it"),
+    (CAMBER | {"ASPECT_RATIO": 55.0}, {}, "ASPECT_RATIO must be between 0 and 2, which"),
 ]
 
 

@@ -129,9 +129,12 @@ class Element:
     ) -> None:
         """`rare` elements are compiled for the systems that have them, not ahead with all others.
 
+        Fields of `abstract` classes are inherited, before a class's own.
+
         A class that the package creates for one model is not `registered`. The registry is replaced, never changed,
         since other threads may iterate over it.
         """
+        dataclasses.dataclass(frozen=True, eq=False)(cls)
         if abstract:
             return
         cls.rare = rare
@@ -142,7 +145,6 @@ class Element:
             raise ElementError(
                 f"element {cls.__name__}: The number of equations is missing. Declare class X(Primitive, rows=1)."
             )
-        dataclasses.dataclass(frozen=True, eq=False)(cls)
         cls.fields = {f.name: _kind(cls, f) for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
         if "Memory" in cls.fields.values() and not callable(getattr(cls, "remember", None)):
             raise ElementError(

@@ -64,18 +64,16 @@ def _table(file: Path) -> Surface:
     delimiter = ";" if ";" in text else ","
     rows = [row for row in csv.reader(text.splitlines(), delimiter=delimiter) if any(map(str.strip, row))]
     if not rows:
-        raise ModelError(
-            "the file is empty. Write y into the first row, and x and heights into each further one."
-        )
+        message = "the file is empty. Write y into the first row, and x and heights into each further one."
+        raise ModelError(message)
     numbers = [_row(row, n, len(rows[0])) for n, row in enumerate(rows)]
     return Surface([row[0] for row in numbers[1:]], numbers[0][1:], [row[1:] for row in numbers[1:]])
 
 
 def _row(row: list[str], n: int, width: int) -> list[float]:
     if len(row) != width:
-        raise ModelError(
-            f"row {n + 1} has {len(row)} columns, but the first one {width}. Give as many in each."
-        )
+        message = f"row {n + 1} has {len(row)} columns, but the first one {width}"
+        raise ModelError(f"{message}. Give as many in each.")
     numbers = []
     for column, cell in enumerate(row):
         try:
@@ -102,10 +100,8 @@ def _opencrg(file: Path, spacing: float | None, tolerance: float) -> Surface:
     z = road.surface_z()
     missing = int(np.sum(~np.isfinite(z)))
     if missing:
-        message = f"{missing} of its {z.size} heights are missing"
-        raise ModelError(
-            f"{message}. Fill them, by fill_holes and fill_nan of pyopencrg.CrgRoad, and save the road."
-        )
+        remedy = "Fill them, by fill_holes and fill_nan of pyopencrg.CrgRoad, and save the road"
+        raise ModelError(f"{missing} of its {z.size} heights are missing. {remedy}.")
     if np.ptp(road.y) == 0 and road.x[-1] > road.x[0]:
         return Surface(road.x, road.y[0] + road.v, z)
     return _resampled(road, (x, y, z), spacing, tolerance)
@@ -116,14 +112,11 @@ def _refuse_other_width(file: Path, road: Any) -> None:
     with file.open("rb") as stream:
         header = stream.read(HEADER).decode("latin-1")
     for side, place in (("right", road.v[0]), ("left", road.v[-1])):
-        declared = re.search(
-            rf"^\s*long_section_v_{side}\s*=\s*([-+.\deE]+)", header, re.MULTILINE | re.IGNORECASE
-        )
+        declared = re.search(rf"(?mi)^\s*long_section_v_{side}\s*=\s*([-+.\deE]+)", header)
         if declared and abs(float(declared[1]) - place) > np.diff(road.v).min() / 2:
             edge = f"the header declares the {side} edge at {float(declared[1]):g} m"
-            raise ModelError(
-                f"{edge}, but the sections end at {place:g} m. Correct the header or the sections."
-            )
+            message = f"{edge}, but the sections end at {place:g} m"
+            raise ModelError(f"{message}. Correct the header or the sections.")
 
 
 def _resampled(
@@ -133,9 +126,8 @@ def _resampled(
     x, y, z = known
     if spacing is None or not spacing > 0:
         message = "the road is not parallel to the x axis, so that its heights must be resampled"
-        raise ModelError(
-            f"{message}. Give spacing in m, such as spacing={max(road.u_inc, np.diff(road.v).min()):g}."
-        )
+        example = f"spacing={max(road.u_inc, np.diff(road.v).min()):g}"
+        raise ModelError(f"{message}. Give spacing in m, such as {example}.")
     in_x, in_y = (np.arange(at.min() - spacing, at.max() + 2 * spacing, spacing) for at in (x, y))
     u, v = road.xy_to_uv(in_x[:, None], in_y[None, :])
     u, v = np.clip(u, road.u_start, road.u_end), np.clip(v, road.v_min, road.v_max)

@@ -23,6 +23,7 @@ from ..deferred import renderer
 from ..elements.forces.tyres import Slip, TyreLaw, Wrench, sampled
 from ..elements.forces.tyres.magic_formula_wheel import TURN, without_relaxation
 from ..model.errors import ModelError, SarrusWarning, listed
+from ..model.expression.units import UnitFactor, in_si
 from ..model.show import quote, suggest
 from ..model.tyres.magic_formula import KNOWN, checked, mirrored
 from ..results.saving.exported_file import exporting
@@ -32,61 +33,32 @@ LINE = re.compile(r"\s*(?P<key>[A-Za-z_]\w*)\s*=\s*(?P<value>.*?)\s*")
 SECTION = re.compile(r"\s*\[(?P<name>[^\]]*)\]\s*")
 SHIPPED = Path(__file__).resolve().parents[1] / "mechanisms"
 ALIASES = {"LFZ0": "LFZO", "IP": "INFLPRES", "IP_NOM": "NOMPRES"}
-FACTORS: dict[str, dict[str, float]] = {
-    "LENGTH": {
-        **dict.fromkeys(("meter", "metre", "m"), 1.0),
-        **dict.fromkeys(("millimeter", "millimetre", "mm"), 1e-3),
-        **dict.fromkeys(("centimeter", "centimetre", "cm"), 1e-2),
-        **dict.fromkeys(("kilometer", "km"), 1e3),
-        **dict.fromkeys(("inch", "in"), 0.0254),
-        **dict.fromkeys(("foot", "ft"), 0.3048),
-    },
-    "FORCE": {
-        **dict.fromkeys(("newton", "n"), 1.0),
-        **dict.fromkeys(("kilonewton", "knewton", "kn"), 1e3),
-        **dict.fromkeys(("pound_force", "lbf"), 4.4482216152605),
-        **dict.fromkeys(("kilogram_force", "kgf"), 9.80665),
-    },
-    "ANGLE": {
-        **dict.fromkeys(("radian", "radians", "rad"), 1.0),
-        **dict.fromkeys(("degree", "degrees", "deg"), 0.017453292519943295),
-    },
-    "TIME": {
-        **dict.fromkeys(("second", "seconds", "sec", "s"), 1.0),
-        **dict.fromkeys(("millisecond", "ms"), 1e-3),
-        **dict.fromkeys(("minute", "min"), 60.0),
-        **dict.fromkeys(("hour", "h"), 3600.0),
-    },
-    "PRESSURE": {
-        **dict.fromkeys(("pascal", "pa", "newton/meter^2"), 1.0),
-        **dict.fromkeys(("kilopascal", "kpascal", "kpa"), 1e3),
-        **dict.fromkeys(("megapascal", "mpascal", "mpa"), 1e6),
-        "bar": 1e5,
-        "psi": 6894.757293168,
-    },
+SPELLINGS = {  # of units, by symbols of Sarrus, of which the first one is that of the SI
+    "LENGTH": "m meter metre, mm millimeter millimetre, cm centimeter centimetre, km kilometer, in inch, ft foot",
+    "FORCE": "N newton, kN kilonewton knewton, lbf pound_force, kgf kilogram_force",
+    "ANGLE": "rad radian radians, deg degree degrees",
+    "TIME": "s second seconds sec, ms millisecond, min minute, h hour",
+    "PRESSURE": "Pa pascal newton/meter^2, kPa kilopascal kpascal, MPa megapascal mpascal, bar, psi",
 }
-UNITS: dict[str, dict[str, int]] = {  # powers of the units of the numbers with a dimension
-    "UNLOADED_RADIUS": {"LENGTH": 1},
-    "WIDTH": {"LENGTH": 1},
-    "LONGVL": {"LENGTH": 1, "TIME": -1},
-    "FNOMIN": {"FORCE": 1},
-    "FZMAX": {"FORCE": 1},
-    "VERTICAL_STIFFNESS": {"FORCE": 1, "LENGTH": -1},
-    "LONGITUDINAL_STIFFNESS": {"FORCE": 1, "LENGTH": -1},
-    "LATERAL_STIFFNESS": {"FORCE": 1, "LENGTH": -1},
-    "VERTICAL_DAMPING": {"FORCE": 1, "LENGTH": -1, "TIME": 1},
+SYMBOLS = {
+    kind: {word.lower(): words.split()[0] for words in text.split(",") for word in words.split()}
+    for kind, text in SPELLINGS.items()
+}
+DIMENSIONS: dict[str, dict[str, int]] = {  # of the numbers that have one, powers of the units of a file
+    **{key: {"LENGTH": 1} for key in ("UNLOADED_RADIUS", "WIDTH")},
+    **{key: {"FORCE": 1} for key in ("FNOMIN", "FZMAX")},
     **{key: {"PRESSURE": 1} for key in ("NOMPRES", "INFLPRES")},
     **{key: {"ANGLE": 1} for key in ("ALPMIN", "ALPMAX", "CAMMIN", "CAMMAX")},
+    **{f"{word}_STIFFNESS": {"FORCE": 1, "LENGTH": -1} for word in ("VERTICAL", "LONGITUDINAL", "LATERAL")},
+    "LONGVL": {"LENGTH": 1, "TIME": -1},
+    "VERTICAL_DAMPING": {"FORCE": 1, "LENGTH": -1, "TIME": 1},
 }
+WRITTEN = {kind: [*words][1] for kind, words in SYMBOLS.items()} | {"MASS": "kg"}
 SIDES = ("left", "right", "symmetric")
 DESCRIBED = ("TYRESIDE", "PROPERTY_FILE_FORMAT", "LCZ")  # further keys that are read
 FORMULAS = ("VERTICAL", "STRUCTURAL")  # sections of the formulas' numbers, beside those named coefficients
-DESCRIBING = (
-    "RADIUS",
-    "WIDTH",
-    "BOTTOM",
-    "DYNAMIC",
-)  # in names of numbers there that are not of the formulas
+# In names of numbers there that are not of the formulas
+DESCRIBING = ("RADIUS", "WIDTH", "BOTTOM", "DYNAMIC")
 SECTIONS = (  # of written files: name, and what its keys begin with
     ("MODEL", ("FITTYP", "LONGVL")),
     ("DIMENSION", ("UNLOADED", "WIDTH", "ASPECT")),
@@ -192,15 +164,7 @@ class TyreFile:
         yield "$ written by Sarrus"
         header = {"FILE_TYPE": "'tir'", "FILE_VERSION": "3.0", "FILE_FORMAT": "'ASCII'"}
         yield from ("[MDI_HEADER]", *(f"{key:24}= {text}" for key, text in header.items()))
-        units = {
-            "LENGTH": "meter",
-            "FORCE": "newton",
-            "ANGLE": "radian",
-            "MASS": "kg",
-            "TIME": "second",
-            "PRESSURE": "pascal",
-        }
-        yield from ("[UNITS]", *(f"{key:24}= '{unit}'" for key, unit in units.items()))
+        yield from ("[UNITS]", *(f"{key:24}= '{unit}'" for key, unit in WRITTEN.items()))
         left = dict(self.coefficients)
         for section, beginnings in SECTIONS:
             chosen = [name for name in left if name.startswith(beginnings)]
@@ -282,61 +246,48 @@ def _entries(text: str, path: str) -> Iterator[tuple[str, Entry]]:
         if match := LINE.fullmatch(line):
             key = ALIASES.get(match["key"].upper(), match["key"].upper())
             entry = Entry(match["value"].strip("'\"").strip(), number, section)
-            if key in FACTORS and section != "UNITS":
+            if key in SYMBOLS and section != "UNITS":
                 continue
             before = found.setdefault(key, entry)
-            used = key in KNOWN or key in DESCRIBED
-            if (
-                before.text != entry.text
-                and _value(before.text) != _value(entry.text)
-                and (used or section == before.section)
-            ):
+            counts = key in KNOWN or key in DESCRIBED or section == before.section
+            if counts and before.text != entry.text and _value(before.text) != _value(entry.text):
                 message = f"{key} is {before.text} in line {before.line} and {entry.text} in line {number}"
                 raise ModelError(f"{message}. Remove one of them.", where=f"{path}:{number}")
     yield from found.items()
 
 
 def _value(text: str) -> float | str:
+    """A number, also with an exponent of Fortran, or the text."""
     try:
-        return float(_decimal(text))
+        return float(re.sub("[dD]", "e", text))
     except ValueError:
         return text
 
 
-def _decimal(text: str) -> str:
-    """A number as Python writes it, with the exponents of Fortran replaced."""
-    return re.sub("[dD]", "e", text)
-
-
 def _without_comment(line: str) -> str:
     """The part of a line before $ or !, which are no comments within quotes."""
-    quoted = ""
-    for place, letter in enumerate(line):
-        if letter in "'\"" and quoted in ("", letter):
-            quoted = "" if quoted else letter
-        if letter in "$!" and not quoted:
-            return line[:place]
-    return line.split("$")[0].split("!")[0] if quoted else line
+    kept = re.match(r"""(?:'[^']*'|"[^"]*"|[^$!])*""", line)
+    return kept[0] if kept else ""
 
 
 def _coefficients(entries: Mapping[str, Entry], path: str) -> tuple[dict[str, float], list[str]]:
     """The numbers of the formulas in SI units, and the names of those that are not used."""
-    units = {unit: _factor(entries, unit, path) for unit in FACTORS}
+    units = {kind: _unit(entries, kind, path) for kind in SYMBOLS}
     found, unused = dict[str, float](), list[str]()
     for key, entry in entries.items():
         if key in KNOWN:
-            value = _number(key, entry, path)
-            for unit, power in UNITS.get(key, {}).items():
-                value *= units[unit] ** power
-            found[key] = value
+            factors = [
+                UnitFactor(units[kind], power)
+                for kind, power in DIMENSIONS.get(key, {}).items()
+                if units[kind]
+            ]
+            found[key], _ = in_si(_number(key, entry, path), factors)
         elif _counts(key, entry):
             unused.append(key)
     if "LCZ" in entries and "VERTICAL_STIFFNESS" in found:
         found["VERTICAL_STIFFNESS"] *= _number("LCZ", entries["LCZ"], path)
-    if (
-        "FITTYP" not in found
-        and entries.get("PROPERTY_FILE_FORMAT", Entry("", 0, "")).text.upper() == "PAC2002"
-    ):
+    program = entries["PROPERTY_FILE_FORMAT"].text.upper() if "PROPERTY_FILE_FORMAT" in entries else ""
+    if "FITTYP" not in found and program == "PAC2002":
         found["FITTYP"] = 6.0
     if "FITTYP" not in found:
         message = "FITTYP is missing, the version of the formulas. Add it to [MODEL], such as FITTYP = 61."
@@ -346,35 +297,30 @@ def _coefficients(entries: Mapping[str, Entry], path: str) -> tuple[dict[str, fl
 
 def _counts(key: str, entry: Entry) -> bool:
     """Whether a number that is not known would change forces."""
-    if key == "LCZ" or any(word in key for word in DESCRIBING):
-        return False
-    try:
-        value = float(entry.text)
-    except ValueError:
-        return False
-    neutral = 1.0 if entry.section.startswith("SCALING") else 0.0
+    value, neutral = _value(entry.text), 1.0 if entry.section.startswith("SCALING") else 0.0
     of_formulas = entry.section in FORMULAS or "COEFFICIENTS" in entry.section
-    return of_formulas and value != neutral
+    describes = key == "LCZ" or any(word in key for word in DESCRIBING)
+    return isinstance(value, float) and of_formulas and not describes and value != neutral
 
 
-def _factor(entries: Mapping[str, Entry], unit: str, path: str) -> float:
-    entry = entries.get(unit)
-    if entry is None:
-        return 1.0
-    if entry.text.lower() not in FACTORS[unit]:
-        message = (
-            f"{unit} has the unknown unit {quote(entry.text)}. {suggest(entry.text.lower(), FACTORS[unit])}"
-        )
-        raise ModelError(message, where=f"{path}:{entry.line}")
-    return FACTORS[unit][entry.text.lower()]
+def _unit(entries: Mapping[str, Entry], kind: str, path: str) -> str:
+    """The symbol of a unit of the file; empty if it is that of the SI."""
+    known = SYMBOLS[kind]
+    if kind not in entries:
+        return ""
+    word = entries[kind].text.lower()
+    if word not in known:
+        message = f"{kind} has the unknown unit {quote(entries[kind].text)}. {suggest(word, known)}"
+        raise ModelError(message, where=f"{path}:{entries[kind].line}")
+    return "" if known[word] == next(iter(known.values())) else known[word]
 
 
 def _number(key: str, entry: Entry, path: str) -> float:
-    try:
-        return float(_decimal(entry.text))
-    except ValueError:
+    value = _value(entry.text)
+    if isinstance(value, str):
         message = f"{key} must be a number, but is {quote(entry.text)}. Correct it."
-        raise ModelError(message, where=f"{path}:{entry.line}") from None
+        raise ModelError(message, where=f"{path}:{entry.line}")
+    return value
 
 
 def _negative(coefficients: Mapping[str, float]) -> Iterator[str]:

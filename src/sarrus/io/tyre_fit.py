@@ -18,15 +18,12 @@ if TYPE_CHECKING:
     from .tir import TyreFile
 
 SLIPS = ("kappa", "alpha", "gamma", "load", "speed")
-ANGLE = (lambda column: abs(column) < np.pi / 2, "Give angles in rad, between -pi/2 and pi/2.")
+ANGLE = (lambda x: abs(x) < np.pi / 2, "Give angles in rad, between -pi/2 and pi/2.")
 SENSE: dict[str, tuple[Callable[[Array], Array], str]] = {  # what columns must be
     "alpha": ANGLE,
     "gamma": ANGLE,
-    "load": (
-        lambda column: column >= 0,
-        "Give the load in N, positive where the tyre is pressed on the road.",
-    ),
-    "speed": (lambda column: column > 0, "Give the speed in m/s, positive forwards."),
+    "load": (lambda x: x >= 0, "Give the load in N, positive where the tyre is pressed on the road."),
+    "speed": (lambda x: x > 0, "Give the speed in m/s, positive forwards."),
 }
 
 
@@ -96,32 +93,26 @@ def fitted(
     if not forces:
         raise ModelError("measured needs at least one of the columns F_x, F_y, M_x, M_y and M_z.")
     announce(_outside(measured, law))
-    weights = {name: (sigma or {}).get(name, float(abs(data).max()) or 1.0) for name, data in forces.items()}
     _check(law, names, forces, bounds, sigma)
+    rows, data = [Wrench._fields.index(name) for name in forces], np.array([*forces.values()])
+    largest = dict(zip(forces, abs(data).max(axis=1).tolist(), strict=True))
+    scales = np.array([[(sigma or {}).get(name, largest[name] or 1.0)] for name in forces])
 
     def computed(x: Array) -> tuple[Array, Array]:
         moved = type(law)({**law.given, **dict(zip(names, x.tolist(), strict=True))})
         values, slopes = sampled(moved, slip, names)
-        rows = [Wrench._fields.index(name) for name in forces]
-        scales = np.array([*weights.values()])[:, None]
-        data = np.array([*forces.values()])
-        return ((values[rows] - data) / scales).ravel(), (slopes[rows] / scales[..., None]).reshape(
-            -1, len(names)
-        )
+        residuals, slopes = (values[rows] - data) / scales, slopes[rows] / scales[..., None]
+        return residuals.ravel(), slopes.reshape(-1, len(names))
 
     start = np.array([float(law.given[name]) for name in names])
     ends = np.array([(bounds or {}).get(name, (-np.inf, np.inf)) for name in names]).T
     answer = least_squares(
         lambda x: computed(x)[0], start, jac=lambda x: computed(x)[1], bounds=ends, x_scale="jac", xtol=1e-12
     )
-    spare = answer.fun.size - len(names)
-    inverse = _inverse(answer.jac, names)
+    inverse, spare = _inverse(answer.jac, names), answer.fun.size - len(names)
     spread = 1.0 if sigma else 2 * answer.cost / spare
     values = dict(zip(names, answer.x.tolist(), strict=True))
-    residuals = {
-        name: -part * weights[name]
-        for name, part in zip(forces, np.split(answer.fun, len(forces)), strict=True)
-    }
+    residuals = dict(zip(forces, -answer.fun.reshape(data.shape) * scales, strict=True))
     best = type(tyre)(tyre.name, dict(tyre.coefficients) | values, tyre.side, tyre.notes)
     best.law()
     return TyreFit(best, names, inverse * spread, residuals, float(t.ppf(0.975, spare)))
@@ -217,8 +208,7 @@ def _inverse(J: Array, names: Sequence[str]) -> Array:
     _, values, rows = np.linalg.svd(J / sizes, full_matrices=False)
     if values[-1] <= max(J.shape) * np.finfo(float).eps * values[0]:
         worst = [names[k] for k in np.flatnonzero(abs(rows[-1]) > 0.1).tolist()]
-        raise ModelError(
-            f"the measurements do not determine {', '.join(worst)}. Remove one of them from wrt."
-        )
+        message = f"the measurements do not determine {', '.join(worst)}"
+        raise ModelError(f"{message}. Remove one of them from wrt.")
     half = rows.T / values / sizes[:, None]
     return np.asarray(half @ half.T)

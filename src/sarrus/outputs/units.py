@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from typing import Any
 
 from ..model import Frame, Model, ModelError, Point
 from ..model.expression import Call, Expression, parse
-from ..model.expression.units import ASCII, RAISED, in_ascii, unit_of
+from ..model.expression.units import ALIKE, ASCII, RAISED, SAME, in_ascii, unit_of
 from ..model.measure import In, measures_of
 from ..system import System
 from ..system.cached import once
@@ -24,9 +25,8 @@ STATES = {"start.q": {"r": "m"}, "start.v": {"r": "m/s", "p": "1/s"}}  # of coor
 
 def product(*factors: tuple[str, float]) -> str:
     """The unit of a product of powers of units, in its shortest form; empty where one of them is not known."""
-    if not all(unit for unit, _ in factors):
-        return ""
-    return _shortest(_times(*((_powers(unit), power) for unit, power in factors)))
+    powers = ((_powers(unit), power) for unit, power in factors)
+    return _shortest(_times(*powers)) if all(unit for unit, _ in factors) else ""
 
 
 def quotient(unit: str, *below: str) -> str:
@@ -56,12 +56,16 @@ def unit_of_tree(tree: Expression, units: dict[str, str]) -> str:
         found = unit_of(tree, bases)
     except ModelError:  # two units added, which files refuse: no unit is right
         return ""
-    if found is None:
-        return ""
-    if isinstance(tree, Call) and tree.function.name in INVERSE:
-        return "rad"
+    if found is None or _is_angle(tree):
+        return "" if found is None else "rad"
     alike = (units[name] for name, base in bases.items() if base == found)
     return next(alike, "") or _shortest(found)
+
+
+def _is_angle(tree: Any) -> bool:
+    """Whether a formula is an inverse function, or a sum or the like of these."""
+    name = tree.function.name if isinstance(tree, Call) else ""
+    return name in INVERSE or (name in (*ALIKE, *SAME) and all(map(_is_angle, tree.args)))
 
 
 @once

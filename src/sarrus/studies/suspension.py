@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from functools import partial
 from math import inf
 from pathlib import Path
@@ -104,12 +104,11 @@ def _steering_unit(system: System, joint: Any) -> str:
     return "m" if "displacement" in coordinate(system, joint)[1] else "rad"
 
 
-def _wheel_of(side: str, entry: Any) -> Corner:
+def _wheel_of(side: str, entry: Any) -> Any:
     """The wheel of a side."""
     if side not in SIDES:
         raise SarrusError(f"there is no side {side!r}. Give left and right.")
-    found: Corner = _part_of(Corner, entry)
-    return found
+    return _part_of(Corner, entry)
 
 
 def _check_wheel(system: System, corner: Corner, side: Side, forward: str, entry: Any) -> None:
@@ -126,11 +125,9 @@ def _part_of(kind: type, entry: Any) -> Any:
         if key not in names:
             raise SarrusError(f"there is no key {key!r}. {suggest(str(key), names)}")
     values = {key: _value(key, value) for key, value in entry.items()}
-    missing = [
-        one for one in ("carrier", "centre", "spindle", "radius") if kind is Corner and one not in values
-    ]
-    if missing:
-        raise SarrusError(f"the key {missing[0]!r} is missing. Add it.")
+    for one in fields(kind):
+        if one.default is MISSING and one.name not in values:
+            raise SarrusError(f"the key {one.name!r} is missing. Add it.")
     return kind(**values)
 
 

@@ -324,9 +324,8 @@ def find(name: str) -> Characteristic:
         If there is none.
     """
     if name not in CHARACTERISTICS:
-        raise SarrusError(
-            f"characteristics: there is no {name!r}. {suggest(name, [*CHARACTERISTICS, *SLOPES])}"
-        )
+        hint = suggest(name, [*CHARACTERISTICS, *SLOPES])
+        raise SarrusError(f"characteristics: there is no {name!r}. {hint}")
     return CHARACTERISTICS[name]
 
 

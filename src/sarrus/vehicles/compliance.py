@@ -23,10 +23,10 @@ from ..results.result import Result
 from ..system import System
 from .corner import PlacedCorner, Side, given_side
 from .rig import PAD, Rig
-from .wheel import Vehicle, contact_point, unit
+from .wheel import Vehicle, contact_point, missing, refuse_missing, unit
 
 LOADS = {"Fx": "N", "Fy": "N", "Fz": "N", "Mz": "N m", "Fx_hub": "N"}  # Fx, Fy at the contact point
-COMPONENTS = tuple(f"{word}.{axis}" for word in ("force", "torque") for axis in "xyz")
+PARTS = {"load": "force", "moment": "torque"}  # loads at the wheel centre
 
 
 @dataclass(frozen=True)
@@ -97,10 +97,9 @@ class Entries:
         if not opposed:
             return sum(self._value(f"real[{output}_{self.side}, {load}_{other}, 0]") for other in self.sides)
         signs = {side: 1.0 if side == self.side else -1.0 for side in self.sides}
+        pairs = [(a, b) for a in signs for b in signs]
         return 0.5 * sum(
-            signs[a] * signs[b] * self._value(f"real[{output}_{a}, {load}_{b}, 0]")
-            for a in signs
-            for b in signs
+            signs[a] * signs[b] * self._value(f"real[{output}_{a}, {load}_{b}, 0]") for a, b in pairs
         )
 
     def toe(self, load: str) -> Any:
@@ -141,7 +140,8 @@ class Compliance(Result):
 
     def names(self) -> list[str]:
         """The names of the rates that this suspension has."""
-        return [name for name, one in RATES.items() if not self._missing(one)]
+        corners, vehicle = self.rig.corners, self.vehicle
+        return [name for name, one in RATES.items() if not missing(one.needs, corners, vehicle)]
 
     def __getitem__(self, name: str) -> float:
         """The value of a rate of the first side, ``compliance["wheel_rate"]``."""
@@ -150,10 +150,8 @@ class Compliance(Result):
     def value(self, name: str, side: Side | None = None) -> float:
         """The value of a rate of one side."""
         rate, side = self._rate(name), self._side(side)
-        names = self._entries(rate, side)
-        return float(
-            rate.of(Entries(tuple(self.loads), side, {one: self.plant[one] for one in names}), self.vehicle)
-        )
+        values = {name: self.plant[name] for name in self._entries(rate, side)}
+        return float(rate.of(Entries(tuple(self.loads), side, values), self.vehicle))
 
     def sensitivity(
         self, name: str, side: Side | None = None, *, wrt: Sequence[str] | str | None = None
@@ -191,18 +189,10 @@ class Compliance(Result):
         rate.of(recorded, self.vehicle)
         return recorded.names
 
-    def _missing(self, rate: Rate) -> str:
-        for need in rate.needs:
-            if not (len(self.loads) > 1 if need == "other" else getattr(self.vehicle, need) is not None):
-                return need
-        return ""
-
     def _rate(self, name: str) -> Rate:
         if name not in RATES:
             raise SarrusError(f"{self.name}: there is no rate {name!r}. {suggest(name, [*RATES])}")
-        if missing := self._missing(RATES[name]):
-            remedy = "both wheels" if missing == "other" else f"{missing} of the Vehicle"
-            raise SarrusError(f"{self.name}: {name} needs {missing}. Give {remedy}.")
+        refuse_missing(f"{self.name}: {name}", RATES[name].needs, self.rig.corners, self.vehicle)
         return RATES[name]
 
     def summary(self) -> str:
@@ -229,26 +219,21 @@ def compliance(rig: Rig, vehicle: Vehicle, at: float, q: Array) -> Compliance:
     if not held.success:
         raise SarrusError(f"{held.name}: at {at:g} m: {held.message}. Choose a position within the stroke.")
     loads = {side: float(held[f"{PAD.format(side)}.force.z"]) for side in rig.corners}
-    parts = [part for side, placed in rig.corners.items() for part in _loads(placed, side, loads[side])]
+    parts = [part for side, placed in rig.corners.items() for part in _loads(placed, loads[side])]
     model = rig.mounted(rig.steered(0.0), parts)
-    named = {
-        key: text for side, placed in rig.corners.items() for key, text in _outputs(placed, side).items()
-    }
+    named = {key: text for placed in rig.corners.values() for key, text in _outputs(placed).items()}
     system = System(replace(model, outputs={**model.outputs, **named}))
     rest = equilibrium(system, held.q, stable=False)
     if not rest.success or rest.stability == "neutral":
-        raise SarrusError(
-            f"{rest.name}: no force carries the load of the wheels. Add a spring between carrier and chassis."
-        )
-    plant = linearize(
-        system, rest, inputs=[f"{load}_{side}" for side in loads for load in LOADS], outputs=[*named]
-    )
+        message = "no force carries the load of the wheels. Add a spring between carrier and chassis."
+        raise SarrusError(f"{rest.name}: {message}")
+    inputs = [f"{load}_{side}" for side in loads for load in LOADS]
+    plant = linearize(system, rest, inputs=inputs, outputs=[*named])
     columns = [
-        f"{'load' if one[0] == 'f' else 'moment'}_{side}.{one}" for side in loads for one in COMPONENTS
+        f"{part}_{side}.{word}.{axis}" for side in loads for part, word in PARTS.items() for axis in "xyz"
     ]
-    matrix = sensitivity(
-        rest, [one for placed in rig.corners.values() for one in _six(rest, placed)], columns
-    ).matrix
+    rows = [one for placed in rig.corners.values() for one in _six(rest, placed)]
+    matrix = sensitivity(rest, rows, columns).matrix
     names = tuple(f"{side}.{one}" for side in loads for one in ("x", "y", "z", "rx", "ry", "rz"))
     return Compliance(system.name, at, loads, names, matrix, vehicle, plant, held, rig)
 
@@ -261,17 +246,14 @@ def _six(rest: Equilibrium, placed: PlacedCorner) -> list[Callable[[Outputs], An
     return [partial(_displacement, carrier, axes, placed.local("centre"), n) for n in range(6)]
 
 
-def _loads(placed: PlacedCorner, side: Side, load: float) -> list[Any]:
+def _loads(placed: PlacedCorner, load: float) -> list[Any]:
     """The static load, loads of zero at the wheel centre, and the inputs: forces along x and y, and so on."""
-    ahead, left = -placed.axes[0], placed.left
+    side, ahead, left = placed.side, (-placed.axes[0]).tolist(), placed.left.tolist()
     centre, spindle = placed.coordinates("centre"), placed.coordinates("spindle")
-    at_centre = placed.body.global_point(*centre)
     contact = contact_point(centre, unit(centre - spindle), placed.corner.radius)
-    at_contact = placed.body.global_point(*contact)
-    on_road = tuple(
-        f"{a!r}*Fx_{side} + {b!r}*Fy_{side}" for a, b in zip(ahead.tolist(), left.tolist(), strict=True)
-    )
-    on_hub = (*(f"{a!r}*Fx_hub_{side}" for a in ahead[:2].tolist()), f"Fz_{side}")
+    at_centre, at_contact = (placed.body.global_point(*point) for point in (centre, contact))
+    on_road = tuple(f"{a!r}*Fx_{side} + {b!r}*Fy_{side}" for a, b in zip(ahead, left, strict=True))
+    on_hub = (*(f"{a!r}*Fx_hub_{side}" for a in ahead[:2]), f"Fz_{side}")
     return [
         *(Input(f"{name}_{side}", 0.0, unit=one) for name, one in LOADS.items()),
         PointForce(f"load_{side}", at_centre, (0.0, 0.0, load)),
@@ -282,26 +264,21 @@ def _loads(placed: PlacedCorner, side: Side, load: float) -> list[Any]:
     ]
 
 
-def _outputs(placed: PlacedCorner, side: Side) -> dict[str, str]:
+def _outputs(placed: PlacedCorner) -> dict[str, str]:
     """Formulas of the position of the wheel centre along x, y and z, of the steer angle and of the camber."""
-    ends = [_place(placed, name) for name in ("centre", "spindle")]
+    side, centre, spindle = placed.side, _place(placed, "centre"), _place(placed, "spindle")
 
-    def along(direction: Array, apart: bool) -> str:
-        """A component of the wheel centre, or of the spin axis."""
-        terms = [
-            f"{sign * a!r}*{end}.{axis}"
-            for end, sign in zip(ends, (1.0, -1.0) if apart else (1.0,), strict=False)
-            for a, axis in zip(direction.tolist(), "xyz", strict=True)
-            if a
-        ]
-        return " + ".join(terms)
+    def along(direction: Array, point: str) -> str:
+        """A component of the position of a point."""
+        terms = zip(direction.tolist(), "xyz", strict=True)
+        return " + ".join(f"{a!r}*{point}.{axis}" for a, axis in terms if a)
 
-    x, y, z = (f"({along(row, True)})" for row in placed.axes)
+    x, y, z = (f"({along(row, centre)} + {along(-row, spindle)})" for row in placed.axes)
     sign = "" if side == "left" else "-"
     return {
-        f"x_{side}": along(-placed.axes[0], False),
-        f"y_{side}": along(placed.left, False),
-        f"z_{side}": along(placed.axes[2], False),
+        f"x_{side}": along(-placed.axes[0], centre),
+        f"y_{side}": along(placed.left, centre),
+        f"z_{side}": along(placed.axes[2], centre),
         f"steer_{side}": f"{sign}atan2({x}, {y})",
         f"camber_{side}": f"-atan2({z}, sqrt({x}^2 + {y}^2))",
     }

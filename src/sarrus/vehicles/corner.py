@@ -110,9 +110,8 @@ class PlacedCorner:
         self._refuse_other_kinds()
         self.corner = corner = self._of_side(corner)
         if corner.carrier not in system.bodies:
-            raise SarrusError(
-                f"{side}: the model has no body {quote(corner.carrier)}. {suggest(corner.carrier, [*system.bodies])}"
-            )
+            hint = suggest(corner.carrier, [*system.bodies])
+            raise SarrusError(f"{side}: the model has no body {quote(corner.carrier)}. {hint}")
         positive(corner.radius, f"{side}: radius", "Give the radius in m.")
         ahead = np.array(FORWARD[forward])
         left = np.cross(UP, ahead)
@@ -142,9 +141,8 @@ class PlacedCorner:
         kingpin: Any = self.corner.kingpin
         if kingpin is not None:
             if not isinstance(kingpin, tuple | list | np.ndarray) or len(kingpin) != 2:
-                raise SarrusError(
-                    f"{self.side}: kingpin must be two points. Give the lower and the upper one."
-                )
+                message = "kingpin must be two points. Give the lower and the upper one."
+                raise SarrusError(f"{self.side}: {message}")
             found += zip(("lower", "upper"), kingpin, strict=True)
         return found
 
@@ -157,9 +155,8 @@ class PlacedCorner:
         except (TypeError, ValueError):
             place = np.zeros(0)
         if place.shape != (3,) or not np.all(np.isfinite(place)):
-            raise SarrusError(
-                f"{self.side}: {name} must be three numbers, got {spot!r}. Give a global point in m."
-            )
+            message = f"{name} must be three numbers, got {spot!r}. Give a global point in m."
+            raise SarrusError(f"{self.side}: {message}")
         return Located(place, f"{name}_{self.side}", coordinates=tuple(given))
 
     def _coordinates(self, spot: Any) -> Any:
@@ -174,11 +171,10 @@ class PlacedCorner:
         carrier, bodies = self.corner.carrier, self._system.bodies
         if not carrier.endswith(f"_{self.side}") or other_side(carrier) not in bodies:
             return False
-        places = [
-            self._system.q0[self._system.coordinates_of(one)][1] for one in (carrier, other_side(carrier))
-        ]
-        own = places[0] or self.axes[1][1]  # frames of both carriers may be on the plane
-        return bool(own * y < 0 and places[0] == -places[1])
+        both = (self._system.coordinates_of(one) for one in (carrier, other_side(carrier)))
+        here, there = (self._system.q0[place][1] for place in both)
+        own = here or self.axes[1][1]  # frames of both carriers may be on the plane
+        return bool(own * y < 0 and here == -there)
 
     def _of_parameter(self, name: str) -> Expression:
         """The formula of free parameters that a parameter of the model follows."""
@@ -191,10 +187,8 @@ class PlacedCorner:
     def _of_joint(self, name: str, joint: str) -> Located:
         carrier, joints = self.corner.carrier, {one.name: one for one in self._system.model.joints}
         if joint not in joints:
-            raise SarrusError(
-                f"{self.side}: {name} names no hardpoint or joint {quote(joint)}. "
-                f"{suggest(joint, [*self._system.model.hardpoints, *joints])}"
-            )
+            hint = suggest(joint, [*self._system.model.hardpoints, *joints])
+            raise SarrusError(f"{self.side}: {name} names no hardpoint or joint {quote(joint)}. {hint}")
         marker = self._system.marker(joint)
         ends = {marker.body_i: "i", marker.body_j: "j"}
         # the top mount of a strut, which is a point of the steering axis, but not of the carrier
@@ -232,10 +226,8 @@ class PlacedCorner:
 
     def markers(self) -> list[PointForce]:
         """The parts that have the points which are given by coordinates."""
-        points = [one for one in self.points.values() if not one.end]
-        return [
-            PointForce(one.part, self.body.global_point(*one.coordinates), (0.0, 0.0, 0.0)) for one in points
-        ]
+        points = [(one.part, one.coordinates) for one in self.points.values() if not one.end]
+        return [PointForce(part, self.body.global_point(*place), (0.0, 0.0, 0.0)) for part, place in points]
 
     def _refuse_spindle(self, forward: str) -> None:
         axis = self.axes @ (self.design("centre") - self.design("spindle"))
@@ -262,10 +254,9 @@ class PlacedCorner:
         if name is not None and name not in forces:
             raise SarrusError(f"{self.side}: {word} names no force {quote(name)}. {suggest(name, forces)}")
         if name is not None and all(one.name != f"{name}.length" for one in outputs_of(self._system, name)):
-            raise SarrusError(
-                f"{self.side}: {word} names the force {quote(name)}, which has no length. Name a spring or damper "
-                "between two points, such as a TSDA."
-            )
+            message = f"{word} names the force {quote(name)}, which has no length"
+            remedy = "Name a spring or damper between two points, such as a TSDA"
+            raise SarrusError(f"{self.side}: {message}. {remedy}.")
 
 
 def given_side(name: str, side: Side | None, sides: tuple[Side, ...]) -> Side:

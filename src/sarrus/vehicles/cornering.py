@@ -9,14 +9,16 @@ import numpy as np
 from ..analyses.equilibria.state_space import linearize
 from ..analyses.sensitivity.responses.responses import At, Maximum
 from ..model import SarrusError
-from ..model.checks.arguments import NumberIn, Numbers, checked_by
+from ..model.checks.arguments import checked_by
 from ..results import Trajectory
 from ..results.state_space import StateSpace
 from ..system import System
-from .handling import CAR
 from .lane_change import PATH, SPACING, with_driver
-from .limits import ANGLE, ANGULAR_RATE, DRIVER, DURATION, LENGTH, POSITIVE, SPEED, START
 from .manoeuvre import (
+    CAR,
+    CHECKS,
+    DURATION,
+    POSITIVE,
     Manoeuvre,
     Measured,
     Metric,
@@ -25,20 +27,11 @@ from .manoeuvre import (
     driven,
     histories,
     judged,
-    named,
     rate_of,
 )
 
 
-@checked_by(
-    speed=SPEED,
-    angle=ANGLE,
-    rate=ANGULAR_RATE,
-    levels=Numbers(2),
-    wheelbase=LENGTH,
-    steering_ratio=POSITIVE,
-    at=START,
-)
+@checked_by(**CHECKS)
 def steady_state_cornering(
     system: System,
     speed: float = 80 / 3.6,
@@ -87,22 +80,12 @@ def steady_state_cornering(
     side = float(np.sign(angle))
     inputs = {names.steer: f"{side * rate}*max(t - {at}, 0)", names.speed: speed}
     run = driven(system, speed, at + abs(angle) / rate, inputs, names, options)
-    responses = _gradients(
-        run, names, side, levels, at, _understeer(system, names, wheelbase, steering_ratio)
-    )
-    return judged("steady-state cornering", run, named(responses), histories(names))
+    understeer = _understeer(system, names, wheelbase, steering_ratio)
+    responses = _gradients(run, names, side, levels, at, understeer)
+    return judged("steady-state cornering", run, responses, histories(names))
 
 
-@checked_by(
-    radius=NumberIn("m"),
-    lateral_acceleration=NumberIn("m/s^2", POSITIVE),
-    rate=POSITIVE,
-    levels=Numbers(2),
-    wheelbase=LENGTH,
-    steering_ratio=POSITIVE,
-    **DRIVER,
-    at=DURATION,
-)
+@checked_by(**CHECKS | {"rate": POSITIVE, "at": DURATION})
 def constant_radius_cornering(
     system: System,
     radius: float = 100.0,
@@ -167,7 +150,7 @@ def constant_radius_cornering(
     angle = _understeer(system, names, wheelbase, steering_ratio)
     responses = _gradients(run, names, side, levels, begin, angle)
     responses["deviation"] = Maximum(f"abs({PATH}.deviation)")
-    return judged("constant-radius cornering", run, named(responses), histories(names))
+    return judged("constant-radius cornering", run, responses, histories(names))
 
 
 def onto_circle(radius: float, straight: float, length: float) -> list[list[float]]:
@@ -189,9 +172,8 @@ def _understeer(
 ) -> str | None:
     """The understeer angle as a formula, δ/i less the Ackermann angle L a_y/V²; None without numbers."""
     if (wheelbase is None) != (steering_ratio is None):
-        raise SarrusError(
-            f"{system.name}: the understeer gradient needs wheelbase and steering_ratio. Give both."
-        )
+        message = "the understeer gradient needs wheelbase and steering_ratio. Give both."
+        raise SarrusError(f"{system.name}: {message}")
     if wheelbase is None:
         return None
     curvature = f"{names.lateral_acceleration}/{names.chassis}.velocity_body.x^2"
@@ -216,12 +198,8 @@ def _gradients(
         rates = [rate_of(run, output, T.time) for T in reached]
 
         def slope(low: Any, high: Any, a_low: Any, a_high: Any, rates: Any = rates) -> Any:
-            first, last = (
-                y + rate * (T(side * level, a_y) - T.time)
-                for y, a_y, rate, T, level in zip(
-                    (low, high), (a_low, a_high), rates, reached, levels, strict=True
-                )
-            )
+            each = zip((low, high), (a_low, a_high), rates, reached, levels, strict=True)
+            first, last = (y + rate * (T(side * level, a_y) - T.time) for y, a_y, rate, T, level in each)
             return (last - first) / (side * (levels[1] - levels[0]))
 
         parts = [*(At(output, time=T.time) for T in reached), *accelerations]
@@ -229,14 +207,9 @@ def _gradients(
     return responses | {"lateral_acceleration": Maximum(f"abs({lateral})")}
 
 
-@checked_by(speed=SPEED, at=START)
+@checked_by(**CHECKS)
 def steering_response(
-    system: System,
-    speed: float = 80 / 3.6,
-    *,
-    at: float = 5.0,
-    names: VehicleNames = CAR,
-    **options: Any,
+    system: System, speed: float = 80 / 3.6, *, at: float = 5.0, names: VehicleNames = CAR, **options: Any
 ) -> StateSpace:
     """Linearization about straight driving by the angle of the steering wheel, for frequency responses of ISO 7401.
 

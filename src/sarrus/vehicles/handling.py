@@ -13,8 +13,9 @@ from ..model import SarrusError
 from ..model.checks.arguments import checked_by
 from ..results import Trajectory
 from ..system import System
-from .limits import ANGLE, DURATION, SHARE, SPEED, START
 from .manoeuvre import (
+    CAR,
+    CHECKS,
     Manoeuvre,
     Measured,
     Metric,
@@ -23,11 +24,9 @@ from .manoeuvre import (
     driven,
     histories,
     judged,
-    named,
     time_of,
 )
 
-CAR = VehicleNames()
 SETTLED = 0.9  # share of the final value that defines response times, ISO 7401
 SINE, DWELL = 0.7, 0.5  # [Hz], [s] of the steering of FMVSS 126
 DECAY = {"yaw_rate_ratio_1_00": 1.0, "yaw_rate_ratio_1_75": 1.75}  # [s] after the steering, FMVSS 126
@@ -36,7 +35,7 @@ STOPPED, SLOWEST = "stopped", 0.5  # name of the event; [m/s²] mean deceleratio
 FULL = (0.8, 0.1)  # shares of the initial speed between which the deceleration is fully developed, ECE R13-H
 
 
-@checked_by(speed=SPEED, angle=ANGLE, rise=DURATION, at=START, until=DURATION)
+@checked_by(**CHECKS)
 def step_steer(
     system: System,
     speed: float = 80 / 3.6,
@@ -71,10 +70,8 @@ def step_steer(
     if not angle:
         raise SarrusError(f"{system.name}: angle must not be 0. Give the angle of the steering wheel in rad.")
     if not until > at + rise:
-        message = (
-            f"{system.name}: until must be later than the end of the step, {at + rise:g} s, got {until:g}"
-        )
-        raise SarrusError(f"{message}. Give a later time.")
+        message = f"until must be later than the end of the step, {at + rise:g} s, got {until:g}"
+        raise SarrusError(f"{system.name}: {message}. Give a later time.")
     names.refuse_missing(system, [names.steer])
     steer = f"{angle}*step(t, {at}, 0, {at + rise}, 1)"
     run = driven(system, speed, until, {names.steer: steer, names.speed: speed}, names, options)
@@ -93,13 +90,12 @@ def step_steer(
         T = crossing(run, names.yaw_acceleration, 0.0, run.t[top - 1])
         now = At(names.yaw_acceleration, time=T.time)
         responses["yaw_rate_peak_time"] = Measured(lambda y: T(0.0, y) - begin, [now])
-        responses["tb_factor"] = Measured(
-            lambda y, beta: (T(0.0, y) - begin) * beta, [now, Final(names.sideslip)], symbol="rad s"
-        )
-    return judged("step steer", run, named(responses), histories(names))
+        both: list[Any] = [now, Final(names.sideslip)]
+        responses["tb_factor"] = Measured(lambda y, beta: (T(0.0, y) - begin) * beta, both, symbol="rad s")
+    return judged("step steer", run, responses, histories(names))
 
 
-@checked_by(speed=SPEED, angle=ANGLE, at=START)
+@checked_by(**CHECKS)
 def sine_with_dwell(
     system: System,
     speed: float = 80 / 3.6,
@@ -137,10 +133,10 @@ def sine_with_dwell(
         responses[name] = Combined(lambda now, top: now / top, [At(yaw, time=end + later), peak])
     parts = [At(place, time=at + DISPLACEMENT_AT), At(place, time=at)]
     responses["lateral_displacement"] = Combined(lambda now, before: now - before, parts)
-    return judged("sine with dwell", run, named(responses), histories(names))
+    return judged("sine with dwell", run, responses, histories(names))
 
 
-@checked_by(speed=SPEED, level=SHARE, rise=DURATION, at=START, stop=SPEED)
+@checked_by(**CHECKS)
 def straight_braking(
     system: System,
     speed: float = 100 / 3.6,
@@ -172,11 +168,7 @@ def straight_braking(
     if not stop < speed:
         message = f"{system.name}: stop must be less than the speed at the start, {speed:g} m/s, got {stop:g}"
         raise SarrusError(f"{message}. Give a smaller one.")
-    along, rate, place = (
-        f"{names.chassis}.velocity.x",
-        f"{names.chassis}.acceleration.x",
-        f"{names.chassis}.x",
-    )
+    place, along, rate = (f"{names.chassis}.{word}" for word in ("x", "velocity.x", "acceleration.x"))
     event = Event(f"{along} - {stop}", direction=-1, terminal=True, name=STOPPED)
     rising = f"step(t, {at}, 0, {at + rise}, 1)"
     inputs = {names.brake: f"{level}*{rising}", names.drive: f"1 - {rising}", names.speed: speed}
@@ -192,9 +184,8 @@ def straight_braking(
         "time": Combined(lambda end: end - at, [AtEvent("t", event=STOPPED)]),
         "deceleration": _developed(run, (place, along, rate), initial, at),
     }
-    return judged(
-        "straight braking", run, named(responses), {"speeds": along, "accelerations": rate, "places": place}
-    )
+    outputs = {"speeds": along, "accelerations": rate, "places": place}
+    return judged("straight braking", run, responses, outputs)
 
 
 def _developed(run: Trajectory, motion: tuple[str, str, str], initial: Metric, at: float) -> Metric:

@@ -12,12 +12,10 @@ import numpy as np
 from ..analyses.dynamics.events.events import Event
 from ..analyses.sensitivity.responses.responses import At, Final, Maximum, Minimum
 from ..model import FirstOrderLag, PathFollower, SarrusError
-from ..model.checks.arguments import Numbers, checked_by
+from ..model.checks.arguments import checked_by
 from ..model.states.input import Input
 from ..system import System
-from .handling import CAR
-from .limits import DRIVER, LENGTH, SPEED, START
-from .manoeuvre import Manoeuvre, Metric, VehicleNames, driven, histories, judged, named
+from .manoeuvre import CAR, CHECKS, Manoeuvre, Metric, VehicleNames, driven, histories, judged
 
 SPACING = 4.0  # [m] of the points of the path
 PATH, PASSED = "path_of_driver", "passed"  # names of the part, and of the event at the end
@@ -108,14 +106,7 @@ class Cones:
         return found
 
 
-@checked_by(
-    speed=SPEED,
-    width=LENGTH,
-    length=Numbers(2),
-    overlap=LENGTH,
-    **DRIVER,
-    at=START,
-)
+@checked_by(**CHECKS)
 def double_lane_change(
     system: System,
     speed: float = 80 / 3.6,
@@ -188,15 +179,11 @@ def double_lane_change(
     responses: dict[str, Metric] = {
         f"margin_{n}": Minimum(Cones(lane, names.chassis, corners)) for n, lane in enumerate(cones, 1)
     }
-    for name, output in (
-        ("lateral_acceleration", names.lateral_acceleration),
-        ("roll", f"{names.chassis}.roll"),
-        ("steer", names.steer),
-    ):
-        responses[name] = Maximum(f"abs({output})")
+    largest = {"lateral_acceleration": names.lateral_acceleration, "roll": names.roll, "steer": names.steer}
+    responses |= {name: Maximum(f"abs({output})") for name, output in largest.items()}
     forward = f"{names.chassis}.velocity_body.x"
     responses |= {"entry_speed": At(forward, time=at), "final_speed": Final(forward)}
-    return judged(f"double lane change ISO {standard}", run, named(responses), histories(names))
+    return judged(f"double lane change ISO {standard}", run, responses, histories(names))
 
 
 def with_driver(

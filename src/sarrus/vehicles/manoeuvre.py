@@ -19,6 +19,7 @@ from ..analyses.sensitivity.responses.responses import At, Final
 from ..euler import A
 from ..model import SarrusError
 from ..model.announcement import announce, collecting, is_strict
+from ..model.checks.arguments import Check, Number, NumberIn, Numbers
 from ..model.errors import listed
 from ..model.show import suggest
 from ..results import Gradient, Trajectory
@@ -27,13 +28,29 @@ from ..system import System
 from .rolling_start import rolling_start
 
 INTERVAL = 0.005  # [s] of the output times, between which crossings are interpolated
-DEGREE, ROUND = (
-    10,
-    1e-6,
-)  # of the polynomial within one step; of the step, within which its root may be outside
+# Of the polynomial within one step; of the step, within which its root may be outside
+DEGREE, ROUND = 10, 1e-6
 ASTRAY = 0.02  # [rad] from the x axis at the start; asymmetric wheels may turn a vehicle a little
 OVER = "rolls over"  # name of the event
 Metric = Any  # a response, or `Combined` ones
+POSITIVE = Number(positive=True)
+LENGTH, DURATION = NumberIn("m", POSITIVE), NumberIn("s", POSITIVE)
+CHECKS: dict[str, Check] = {  # units and limits of the arguments that manoeuvres have in common
+    **dict.fromkeys(("speed", "stop"), NumberIn("m/s", POSITIVE)),
+    **dict.fromkeys(("width", "wheelbase", "overlap"), LENGTH),
+    **dict.fromkeys(("rise", "until", "duration", "lag"), DURATION),
+    **dict.fromkeys(("levels", "band", "length"), Numbers(2)),
+    **dict.fromkeys(("gain", "curvature_gain"), Number()),
+    "at": NumberIn("s", Number(0.0)),
+    "angle": NumberIn("rad"),
+    "rate": NumberIn("rad/s", POSITIVE),
+    "radius": NumberIn("m"),
+    "preview": NumberIn("m", Number(0.0)),
+    "lateral_acceleration": NumberIn("m/s^2", POSITIVE),
+    "level": NumberIn("1", Number(positive=True, most=1.0)),
+    "steering_ratio": POSITIVE,
+    "point": Numbers(3),
+}
 
 
 @dataclass(frozen=True)
@@ -96,6 +113,9 @@ class VehicleNames:
     def sideslip(self) -> str:
         """β, the angle of the velocity to the x axis of the chassis [rad]."""
         return f"atan({self.chassis}.velocity_body.y/{self.chassis}.velocity_body.x)"
+
+
+CAR = VehicleNames()
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,9 +218,8 @@ def driven(
     ):
         if not abs(y) < ASTRAY * x:
             heading = f"{what} is along ({x:.3g}, {y:.3g}) at the start"
-            raise SarrusError(
-                f"{system.name}: {heading}. Turn the vehicle: forward is along the global x axis."
-            )
+            remedy = "Turn the vehicle: forward is along the global x axis."
+            raise SarrusError(f"{system.name}: {heading}. {remedy}")
     upright = Event(f"1 - 2*{names.chassis}.e1^2 - 2*{names.chassis}.e2^2", -1, terminal=True, name=OVER)
     given = options.get("events", ())
     every = [*events, upright, *(given if isinstance(given, Sequence) else [given])]
@@ -208,30 +227,22 @@ def driven(
     with collecting(is_strict()) as found:  # a vehicle that rolls over is an error alone
         run = simulate(system, start, until=until, t_eval=t, store="steps", **rest)
     if not run.success:
-        raise SarrusError(
-            f"{system.name}: {run.message.removesuffix('.')}. Correct the model, or drive more slowly."
-        )
+        message = f"{run.message.removesuffix('.')}. Correct the model, or drive more slowly."
+        raise SarrusError(f"{system.name}: {message}")
     if run.status == "event" and run.events[-1].name == OVER:
-        message = (
-            f"{system.name}: it rolls over, {names.chassis} lies on its side at t = {run.events[-1].t:.3g} s"
-        )
-        raise SarrusError(f"{message}. Drive more slowly, or steer less.")
+        message = f"it rolls over, {names.chassis} lies on its side at t = {run.events[-1].t:.3g} s"
+        raise SarrusError(f"{system.name}: {message}. Drive more slowly, or steer less.")
     announce(found.messages)
     return run
 
 
 def judged(
-    name: str, run: Trajectory, responses: Mapping[str, Metric], histories: Mapping[str, str]
+    name: str, run: Trajectory, metrics: Mapping[str, Metric], histories: Mapping[str, str]
 ) -> Manoeuvre:
-    """The result with the values of its responses."""
-    found = response_values(run, [*responses.values()])
-    values = dict(zip(responses, map(float, found), strict=True))
+    """The result with the values of its responses, whose names in tables are those in the result."""
+    responses = {name: replace(one, name=name) for name, one in metrics.items()}
+    values = dict(zip(responses, map(float, response_values(run, [*responses.values()])), strict=True))
     return Manoeuvre(f"{name} of {run.name}", run, responses, values, histories)
-
-
-def named(responses: Mapping[str, Metric]) -> dict[str, Metric]:
-    """The responses, whose names in tables are those in the result."""
-    return {name: replace(one, name=name) for name, one in responses.items()}
 
 
 def histories(names: VehicleNames) -> dict[str, str]:

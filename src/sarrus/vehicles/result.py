@@ -30,7 +30,7 @@ from .corner import Side, given_side
 from .elastic import whole_motion
 from .rig import Rig, Sweep, coordinate
 from .tables import ROUND_OFF, frame_of, text_table, write_csv
-from .wheel import Axle, Vehicle
+from .wheel import Axle, Vehicle, missing, refuse_missing
 
 SAME = 1e-9  # of the range of a sweep: displacements so near are the same
 
@@ -54,11 +54,8 @@ class Recorded:
 
     def unit(self, system: System) -> str:
         """The unit of its value."""
-        return (
-            quotient(self.characteristic.unit, self.suspension.unit(self.sweep))
-            if self.slope
-            else self.characteristic.unit
-        )
+        own = self.characteristic.unit
+        return quotient(own, self.suspension.unit(self.sweep)) if self.slope else own
 
     def __call__(self, o: Outputs) -> Any:
         """The recorded value."""
@@ -119,11 +116,8 @@ class Suspension(Result):
 
     def names(self, sweep: SweepName = "bump") -> list[str]:
         """The names of the characteristics that a sweep has for this suspension."""
-        return [
-            name
-            for name, one in CHARACTERISTICS.items()
-            if sweep in self._allowed(one) and not self._missing(one)
-        ]
+        allowed = [one for one in CHARACTERISTICS.values() if sweep in self._allowed(one)]
+        return [one.name for one in allowed if not missing(one.needs, self.rig.corners, self.vehicle)]
 
     def x(self, sweep: SweepName = "bump") -> Array:
         """Displacement of the sweep (n,): of the wheels upward; in roll of the right wheel; of the steering."""
@@ -199,10 +193,8 @@ class Suspension(Result):
             For each characteristic that is infinite or undefined there, such as the length of the swing arm of parallel
             arms; it is left out. `SarrusError` if it is the only one.
         """
-        responses = [
-            self.response(one, sweep, side, slope=slope)
-            for one in ([name] if isinstance(name, str) else name)
-        ]
+        names = [name] if isinstance(name, str) else name
+        responses = [self.response(one, sweep, side, slope=slope) for one in names]
         found = {one.sweep for one in responses}
         if not found:
             raise SarrusError(f"{self.name}: there is no name of a characteristic. Give one, such as 'toe'.")
@@ -222,11 +214,8 @@ class Suspension(Result):
         values = {one: float(self._values(one)[row]) for one in responses}
         finite = [one for one, value in values.items() if np.isfinite(value)]
         words = {one: "infinite" if np.isinf(value) else "undefined" for one, value in values.items()}
-        messages = [
-            f"{self.name}: {one.__name__} is {words[one]} at {at:g}. {_instead(one)}"
-            for one in responses
-            if one not in finite
-        ]
+        left = [one for one in responses if one not in finite]
+        messages = [f"{self.name}: {one.__name__} is {words[one]} at {at:g}. {_instead(one)}" for one in left]
         if not finite:
             raise SarrusError(messages[0])
         announce(messages)
@@ -283,15 +272,13 @@ class Suspension(Result):
         if name in SLOPES:
             of, own = SLOPES[name]
             if sweep not in (None, own):
-                raise SarrusError(
-                    f"{self.name}: {name} is the slope of {of} in {own}, not in {sweep}. "
-                    f"Leave out the sweep, or take {of} with slope=True."
-                )
+                message = f"{name} is the slope of {of} in {own}, not in {sweep}"
+                remedy = f"Leave out the sweep, or take {of} with slope=True"
+                raise SarrusError(f"{self.name}: {message}. {remedy}.")
             name, sweep, slope = of, own, True
         found = find(name)
         side = given_side(self.name, side, self.sides)
-        if missing := self._missing(found):
-            raise SarrusError(f"{self.name}: {name} needs {missing}. {_remedy(missing)}")
+        refuse_missing(f"{self.name}: {name}", found.needs, self.rig.corners, self.vehicle)
         allowed = self._allowed(found)
         usual = next((one for one in allowed if one in self.sweeps), allowed[0])
         chosen: SweepName = usual if sweep is None else sweep
@@ -306,23 +293,11 @@ class Suspension(Result):
             return ("kingpin",)
         return found.sweeps
 
-    def _missing(self, found: Characteristic) -> str:
-        """What a characteristic needs and this suspension does not have; empty if nothing."""
-        corners = [one.corner for one in self.rig.corners.values()]
-        for need in found.needs:
-            owners = corners if need in ("spring", "damper") else [self.vehicle]
-            lacking = (getattr(one, need) is None for one in owners)
-            if len(self.sides) == 1 if need == "other" else any(lacking):
-                return need
-        return ""
-
     def _sweep(self, sweep: SweepName) -> Sweep:
         if sweep not in self.sweeps:
-            one_wheel = len(self.sides) == 1
+            limits_of_roll = "Give limits, roll=(-0.03, 0.03)"
             remedy = {
-                "roll": "Give both wheels, left= and right="
-                if one_wheel
-                else "Give limits, roll=(-0.03, 0.03)",
+                "roll": limits_of_roll if len(self.sides) > 1 else "Give both wheels, left= and right=",
                 "steer": "Give the joint that steers, steering=, and limits, steer=(-0.03, 0.03)",
                 "bump": "Give limits, bump=(-0.05, 0.05)",
                 "kingpin": "Give both points of kingpin in the corners, or steering= and their springs",
@@ -333,15 +308,13 @@ class Suspension(Result):
     def _row(self, sweep: SweepName, at: float) -> int:
         """The place of a displacement among those of a sweep."""
         what = f"{self.name}: the displacement"
-        at = number(
-            in_si(what, at, "m" if sweep == "roll" else self.unit(sweep)), what, "Give one of those of x."
-        )
+        at = in_si(what, at, "m" if sweep == "roll" else self.unit(sweep))
+        at = number(at, what, "Give one of those of x.")
         x = self.x(sweep)
         row = int(np.argmin(abs(x - at)))
         if abs(x[row] - at) > SAME * np.ptp(x):
-            raise SarrusError(
-                f"{self.name}: {at:g} is no displacement of {sweep}. Take {x[row]:g}, or change steps."
-            )
+            message = f"{at:g} is no displacement of {sweep}. Take {x[row]:g}, or change steps."
+            raise SarrusError(f"{self.name}: {message}")
         return row
 
 
@@ -351,11 +324,3 @@ def _instead(response: Recorded) -> str:
     if name in RECIPROCALS and not response.slope:
         return f"Take the derivatives of its reciprocal, {RECIPROCALS[name]}."
     return "Take its derivatives at another displacement, at=."
-
-
-def _remedy(missing: str) -> str:
-    if missing == "other":
-        return "Give both wheels, left= and right=."
-    if missing in ("spring", "damper"):
-        return f"Name it in the corner, Corner(..., {missing}=...)."
-    return f"Give it, vehicle=sr.Vehicle({missing}=...)."

@@ -10,13 +10,11 @@ import numpy as np
 
 from ..analyses.sensitivity.responses.responses import At, Final, Response
 from ..model import RandomRoad, SarrusError, StateVariable, TransferFunction
-from ..model.checks.arguments import Numbers, checked_by
+from ..model.checks.arguments import checked_by
 from ..model.states.input import Input
 from ..model.tyres.rolling_tyre import RollingTyre
 from ..system import System
-from .handling import CAR
-from .limits import DURATION, SPEED, START
-from .manoeuvre import Manoeuvre, Measured, Metric, VehicleNames, driven, judged, named
+from .manoeuvre import CAR, CHECKS, Manoeuvre, Measured, Metric, VehicleNames, driven, judged
 
 BAND, BUTTERWORTH = (0.4, 100.0), 0.5**0.5  # [Hz] of the band limits, and their Q; ISO 2631-1, annex A
 UNIFORM = "uniform_speed"  # input of the filters
@@ -79,9 +77,8 @@ def weighting_filters(name: str, velocity: str, weighting: str = "k") -> list[Tr
     filters, signal = [], velocity
     for word, numerator, denominator in stages:
         own = f"{name}_{word}" if word else name
-        filters.append(
-            TransferFunction(own, input=signal, numerator=numerator, denominator=denominator, unit="m/s^2")
-        )
+        one = TransferFunction(own, input=signal, numerator=numerator, denominator=denominator, unit="m/s^2")
+        filters.append(one)
         signal = f"{own}.output"
     return filters
 
@@ -91,7 +88,7 @@ def _quadratic(w: float, Q: float) -> list[float]:
     return [1.0, w / Q, w**2]
 
 
-@checked_by(speed=SPEED, point=Numbers(3), duration=DURATION, at=START)
+@checked_by(**CHECKS)
 def ride(
     system: System,
     speed: float = 80 / 3.6,
@@ -149,21 +146,23 @@ def ride(
     model = replace(system.model, forces=forces).adding(*parts)
     inputs = {names.steer: 0.0, names.speed: speed, UNIFORM: speed}
     run = driven(System(model), speed, at + duration, inputs, names, options)
-    responses, squares = dict[str, Metric](), list[Response]()
-    for name in (f"weighted_{axis}" for axis in AXES):
-        if run[f"{name}_squares"][-1] > 0:
-            both: list[Response] = [Final(f"{name}_squares"), At(f"{name}_squares", time=at)]
-            responses[name] = Measured(
-                lambda end, begin: ((end - begin) / duration) ** 0.5, both, symbol="m/s²"
-            )
-            squares += both
-    responses["total"] = Measured(
-        lambda *ends: ((sum(ends[::2]) - sum(ends[1::2])) / duration) ** 0.5, squares, symbol="m/s²"
-    )
-    fourths: list[Response] = [Final("weighted_z_fourths"), At("weighted_z_fourths", time=at)]
+
+    def of_duration(output: str) -> list[Response]:
+        return [Final(output), At(output, time=at)]
+
+    def mean(*ends: Any) -> Any:
+        return ((sum(ends[::2]) - sum(ends[1::2])) / duration) ** 0.5
+
+    squares = {f"weighted_{axis}": of_duration(f"weighted_{axis}_squares") for axis in AXES}
+    squares = {name: ends for name, ends in squares.items() if run[f"{name}_squares"][-1] > 0}
+    squares["total"] = [one for ends in squares.values() for one in ends]
+    responses: dict[str, Metric] = {
+        name: Measured(mean, ends, symbol="m/s²") for name, ends in squares.items()
+    }
+    fourths = of_duration("weighted_z_fourths")
     responses["dose_z"] = Measured(lambda end, begin: (end - begin) ** 0.25, fourths, symbol="m/s^1.75")
     outputs = {"accelerations_z": "weighted_z.output", "places": f"{names.chassis}.x"}
-    return judged("ride", run, named(responses), outputs)
+    return judged("ride", run, responses, outputs)
 
 
 def _on_left(system: System, tyre: RollingTyre) -> bool:

@@ -49,10 +49,8 @@ REMEDY = (
     "Name the bodies that stand still with fixed=, the joint that steers with steering=, and joints in which wheels "
     "spin as bearing of the corners; give bushings stiffness along and about all axes"
 )
-ROLL: dict[Side, float] = {
-    "left": -1.0,
-    "right": 1.0,
-}  # the right wheel is in bump where the chassis rolls to the right
+# The right wheel is in bump where the chassis rolls to the right
+ROLL: dict[Side, float] = {"left": -1.0, "right": 1.0}
 
 
 class Sweep(NamedTuple):
@@ -93,19 +91,13 @@ class Rig:
 
     def mounted(self, drivers: Sequence[Driver], loads: Sequence[Force] = ()) -> Model:
         """The model with the fixed bodies, the points of the corners, drivers and loads."""
-        model, bodies = self.system.model, {one.name: one for one in self.system.model.bodies}
-        fixed = [
-            Fixed(f"rig_{name}", ground, bodies[name], point=bodies[name].position) for name in self.fixed
-        ]
-        without = not_on_rig(model.forces)
+        model, without = self.system.model, not_on_rig(self.system.model.forces)
+        bodies = [one for one in model.bodies if one.name in self.fixed]
+        fixed = [Fixed(f"rig_{one.name}", ground, one, point=one.position) for one in bodies]
         forces = [one for one in model.forces if one.name not in without]
         markers = [one for placed in self.corners.values() for one in placed.markers()]
-        return replace(
-            model,
-            joints=[*model.joints, *fixed],
-            drivers=[*self._bearings(), *drivers],
-            forces=[*forces, *markers, *loads],
-        )
+        joints, drivers = [*model.joints, *fixed], [*self._bearings(), *drivers]
+        return replace(model, joints=joints, drivers=drivers, forces=[*forces, *markers, *loads])
 
     def refuse_forces_of_tyres(self) -> None:
         """Refuse a model whose parts use outputs of what the rig removes."""
@@ -160,9 +152,8 @@ class Rig:
         placed = self.corners[side]
         rate = sign * {"bump": 1.0, "roll": ROLL[side]}.get(sweep, 0.0)
         x, y, z = placed.coordinates("centre")
-        return PointDriver(
-            PAD.format(side), placed.body.global_point(x, y, z), z=lift(z) + parse(f"{rate!r}*t")
-        )
+        height = lift(z) + parse(f"{rate!r}*t")
+        return PointDriver(PAD.format(side), placed.body.global_point(x, y, z), z=height)
 
     def _bearings(self) -> list[Driver]:
         names = {placed.corner.bearing for placed in self.corners.values()} - {None}
@@ -243,10 +234,9 @@ class Rig:
 
     def _locked(self, placed: PlacedCorner) -> list[Distance]:
         """The constraint that keeps the length of the spring of a corner; none if it has no two ends."""
-        spring = next((one for one in self.system.model.forces if one.name == placed.corner.spring), None)
-        if not isinstance(spring, TSDA):
-            return []
-        return [Distance(f"lock_{placed.side}", spring.point_i, spring.point_j)]
+        springs = [one for one in self.system.model.forces if one.name == placed.corner.spring]
+        ends = [(one.point_i, one.point_j) for one in springs if isinstance(one, TSDA)]
+        return [Distance(f"lock_{placed.side}", *pair) for pair in ends]
 
 
 def in_design_position(system: System) -> System:
@@ -283,6 +273,5 @@ def coordinate(
         for name in (joint, f"{joint}.{suffix}"):
             if name in known.names and f".{suffix}" in name:
                 return kind, name
-    raise SarrusError(
-        f"{word}: there is no joint coordinate {quote(joint)}. {suggest(joint, [*known.names])}"
-    )
+    message = f"there is no joint coordinate {quote(joint)}. {suggest(joint, [*known.names])}"
+    raise SarrusError(f"{word}: {message}")

@@ -49,9 +49,8 @@ def rolling_start(system: System, speed: float, inputs: Mapping[str, Any] | None
     """
     tyres = [one for one in system.model.forces if isinstance(one, RollingTyre)]
     if not tyres:
-        raise SarrusError(
-            f"{system.name}: it has no rolling tyres. Add one for each wheel, such as sr.BrushTyre."
-        )
+        message = "it has no rolling tyres. Add one for each wheel, such as sr.BrushTyre."
+        raise SarrusError(f"{system.name}: {message}")
     with collecting():  # of states that are arbitrary at rest: the vehicle leaves it at once
         rest = equilibrium(system)
     if not rest.success:

@@ -65,14 +65,11 @@ def suspension(
         rig leaves free to move.
     """
     if forward not in FORWARD:
-        raise SarrusError(
-            f"forward must be one of {', '.join(FORWARD)}, got {forward!r}. Choose one of them."
-        )
+        known = ", ".join(FORWARD)
+        raise SarrusError(f"forward must be one of {known}, got {forward!r}. Choose one of them.")
     system = in_design_position(system)
-    given: dict[Side, Corner | None] = {"left": left, "right": right}
-    corners = {
-        side: PlacedCorner(system, one, side, forward) for side, one in given.items() if one is not None
-    }
+    wheels: list[tuple[Side, Corner | None]] = [("left", left), ("right", right)]
+    corners = {side: PlacedCorner(system, one, side, forward) for side, one in wheels if one is not None}
     if not corners:
         raise SarrusError("suspension: there is no wheel. Give left=sr.Corner(...), right=, or both.")
     CHECKS["variables"]("fixed", fixed)
@@ -87,18 +84,18 @@ def suspension(
         raise SarrusError("steer: no joint steers. Name the rack or the shaft, steering='rack'.")
     rig = Rig(system, corners, steering, tuple(fixed))
     rig.refuse_forces_of_tyres()
-    limits: dict[SweepName, Sequence[float] | None] = {
-        "bump": bump,
-        "roll": roll if len(corners) > 1 else None,
-        "steer": steer,
-    }
+    roll = roll if len(corners) > 1 else None
+    limits: list[tuple[SweepName, Sequence[float] | None]] = [
+        ("bump", bump),
+        ("roll", roll),
+        ("steer", steer),
+    ]
     diameter = 2 * min(one.corner.radius for one in corners.values())
-    largest = dict.fromkeys(limits, diameter)
-    if steering and coordinate(system, steering)[0] is AngleDriver:
-        largest["steer"] = inf
+    turns = bool(steering) and coordinate(system, steering)[0] is AngleDriver
+    largest = {"steer": inf} if turns else {}
     sweeps = {
-        name: rig.sweep(name, _limits(name, one, largest[name]), steps)
-        for name, one in limits.items()
+        name: rig.sweep(name, _limits(name, one, largest.get(name, diameter)), steps)
+        for name, one in limits
         if one is not None
     }
     if any(one.kingpin is None for one in (left, right) if one) and rig.has_virtual_kingpins:
@@ -107,26 +104,17 @@ def suspension(
     if not sweeps:
         raise SarrusError(f"{system.name}: there is no sweep. Give limits of bump, of roll or of steer.")
     stopped = " ".join(one.stopped for one in sweeps.values() if one.stopped)
-    return Suspension(
-        system.name,
-        rig,
-        vehicle or Vehicle(),
-        sweeps,
-        not stopped,
-        stopped or "all sweeps reached their ends",
-    )
+    message = stopped or "all sweeps reached their ends"
+    return Suspension(system.name, rig, vehicle or Vehicle(), sweeps, not stopped, message)
 
 
 def _limits(name: str, limits: Sequence[float], diameter: float) -> tuple[float, float]:
     """The limits of a sweep, which are on both sides of 0, and displacements not larger than a wheel."""
     low, high = numbers(limits, 2, name, "Give the lowest and the highest displacement, as in (-0.05, 0.05).")
     if not low <= 0.0 <= high or low == high:
-        raise SarrusError(
-            f"{name}: the limits must be on both sides of 0, got {low:g} and {high:g}. Exchange or change them."
-        )
+        message = f"the limits must be on both sides of 0, got {low:g} and {high:g}"
+        raise SarrusError(f"{name}: {message}. Exchange or change them.")
     if max(-low, high) > diameter:
-        raise SarrusError(
-            f"{name}: {max(-low, high):g} m is more than the diameter of a wheel, {diameter:g} m. "
-            "Give displacements in m, as in (-0.05, 0.05)."
-        )
+        message = f"{max(-low, high):g} m is more than the diameter of a wheel, {diameter:g} m"
+        raise SarrusError(f"{name}: {message}. Give displacements in m, as in (-0.05, 0.05).")
     return low, high

@@ -12,14 +12,23 @@ from numpy.typing import ArrayLike
 from ..algebra import Array
 from ..analyses.sensitivity.responses.responses import At, Integral
 from ..model import SarrusError
-from ..model.checks.arguments import Numbers, checked_by
+from ..model.checks.arguments import checked_by
 from ..outputs import find_output
 from ..outputs.units import quotient
 from ..results import FrequencyResponse, Trajectory
 from ..system import System
-from .handling import CAR
-from .limits import ANGLE, DURATION, SPEED
-from .manoeuvre import Manoeuvre, Measured, Metric, VehicleNames, driven, histories, judged, named
+from .manoeuvre import (
+    CAR,
+    CHECKS,
+    DURATION,
+    Manoeuvre,
+    Measured,
+    Metric,
+    VehicleNames,
+    driven,
+    histories,
+    judged,
+)
 
 POINTS = 100  # of a frequency response, unless frequencies are given
 
@@ -61,7 +70,7 @@ class SweptSine(Manoeuvre):
         return FrequencyResponse(self.name, f, values, (self.steer,), (*outputs,), (units[0],), (*units[1:],))
 
 
-@checked_by(speed=SPEED, angle=ANGLE, band=Numbers(2), duration=DURATION, rise=DURATION, at=DURATION)
+@checked_by(**CHECKS | {"at": DURATION})
 def swept_sine_steer(
     system: System,
     speed: float = 80 / 3.6,
@@ -123,16 +132,14 @@ def swept_sine_steer(
         for name, output in outputs.items()
         for word, metric in _transfer(run, output, names.steer, float(frequency), at)
     }
-    result = judged("swept sine steer", run, named(responses), histories(names))
+    result = judged("swept sine steer", run, responses, histories(names))
     return SweptSine(**vars(result), steer=names.steer, at=at, band=band)
 
 
 def _refuse_outside(name: str, f: Array, band: tuple[float, float]) -> None:
     if len(wrong := f[~((f >= band[0]) & (f <= band[1]))]):
-        message = (
-            f"{name}: {wrong[0]:g} Hz is outside of the band of the sweep, {band[0]:g} to {band[1]:g} Hz"
-        )
-        raise SarrusError(f"{message}. Change frequencies or band.")
+        message = f"{wrong[0]:g} Hz is outside of the band of the sweep, {band[0]:g} to {band[1]:g} Hz"
+        raise SarrusError(f"{name}: {message}. Change frequencies or band.")
 
 
 def _window(at: float) -> str:

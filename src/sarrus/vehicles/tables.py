@@ -18,6 +18,7 @@ from .corner import Side
 if TYPE_CHECKING:
     from .result import Suspension
 
+ROUND_OFF = 1e-9  # [mm], [deg] and their slopes: smaller values are zero, reciprocals of them are infinite
 INSTALL = "pip install 'sarrus[tables]'"
 
 
@@ -117,8 +118,3 @@ def text_table(result: Suspension, sweep: SweepName, side: Side) -> str:
 def _rounded(value: float) -> str:
     """A number to six digits, zero if it is round-off of mm and degrees."""
     return f"{0.0 if abs(value) < ROUND_OFF else value:.6g}"
-
-
-ROUND_OFF = (
-    1e-9  # [mm], [deg] and their slopes: smaller values are shown as zero, reciprocals of them are infinite
-)

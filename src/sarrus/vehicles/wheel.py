@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -160,6 +160,27 @@ class Wheel:
     def length_of(self, force: str) -> Any:
         """The length of a spring or damper. [m]"""
         return self.axle.o(f"{force}.length")
+
+
+def missing(needs: Sequence[str], corners: Mapping[Side, PlacedCorner], vehicle: Vehicle) -> str:
+    """What a quantity needs and a suspension does not have; empty if nothing. "other" is the other wheel."""
+    for need in needs:
+        owners = [one.corner for one in corners.values()] if need in ("spring", "damper") else [vehicle]
+        if len(corners) == 1 if need == "other" else any(getattr(one, need) is None for one in owners):
+            return need
+    return ""
+
+
+def refuse_missing(
+    what: str, needs: Sequence[str], corners: Mapping[Side, PlacedCorner], vehicle: Vehicle
+) -> None:
+    """Refuse a quantity for which something is missing."""
+    if need := missing(needs, corners, vehicle):
+        remedies = dict.fromkeys(("spring", "damper"), f"Name it in the corner, Corner(..., {need}=...)")
+        remedies["other"] = "Give both wheels, left= and right="
+        raise SarrusError(
+            f"{what} needs {need}. {remedies.get(need, f'Give it, vehicle=sr.Vehicle({need}=...)')}."
+        )
 
 
 def unit(vector: Array) -> Array:

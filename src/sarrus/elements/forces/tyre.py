@@ -12,14 +12,12 @@ F = k w/2 on; exactly zero for δ ≤ -w/2, and never a pull. Its derivatives ar
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ...algebra import I3, Array, Row, outer
 from ...euler import B, D, rotate
 from ..element import Curve, Force, Grid, Scalar, Single, Surface, Vec3
 from ..force_outputs import Passive
 from ..output import output
-from .laws import along, soft_ramp, soft_step
+from .laws import soft_ramp, soft_step
 
 UP: Array = I3[2]
 
@@ -75,14 +73,13 @@ class Tyre(Passive, Force, bodies=1, derivatives="automatic"):
 class LiftingTyre(Force, abstract=True):
     """F = σ(δ) (k δ + c δ̇)₊ upwards at the wheel centre, the base of tyres on different kinds of road."""
 
-    if TYPE_CHECKING:  # fields of its subclasses
-        s: Vec3
-        k: Scalar
-        c: Scalar
-        radius: Scalar
-        road: Scalar
-        width: Scalar
-        bump: Curve
+    s: Vec3  # [m] wheel centre in the body
+    k: Scalar  # [N/m]
+    c: Scalar  # [N s/m]
+    radius: Scalar  # [m] unloaded
+    road: Scalar  # [m] height that is added to profile or surface, and curve
+    width: Scalar  # [m] of the rounding
+    bump: Curve  # [m] over time [s]
 
     def _height(self, place: Array) -> Scalar:
         """h."""
@@ -120,10 +117,9 @@ class LiftingTyre(Force, abstract=True):
         return self._force(self.compression(x, v, t), self.compression_rate(x, v, t))
 
     def stored_energy(self, x: Single, v: Single, t: Scalar) -> Scalar:
-        """The integral of F over δ for δ̇ = 0: k w² (u⁶ - u⁷ + u⁸/4) / 2 in the rounding, ½ k δ² beyond it."""
-        u, beyond = along(self.compression(x, v, t), self.width)
-        rounded = u**6 * (1 - u + u * u / 4) * self.width * self.width
-        return self.k * (rounded + beyond * (beyond + self.width)) / 2
+        """½ k δ₊², the integral of F over δ for δ̇ = 0, with δ₊ by `soft_ramp`."""
+        pressed = soft_ramp(self.compression(x, v, t), self.width)
+        return self.k * pressed * pressed / 2
 
     def dissipated_power(self, x: Single, v: Single, t: Scalar) -> Scalar:
         """The part of the load that depends on δ̇, times δ̇."""
@@ -142,14 +138,7 @@ class LiftingTyre(Force, abstract=True):
 class RoadTyre(LiftingTyre, bodies=1, derivatives="automatic", rare=True):
     """A tyre on a profile."""
 
-    s: Vec3  # [m] wheel centre in the body
-    k: Scalar  # [N/m]
-    c: Scalar  # [N s/m]
-    radius: Scalar  # [m] unloaded
-    road: Scalar  # [m] height that is added to both curves
-    width: Scalar  # [m] of the rounding
     profile: Curve  # [m] over the global x [m]
-    bump: Curve  # [m] over time [s]
 
     def _height(self, place: Array) -> Scalar:
         return self.profile(place[0])
@@ -161,14 +150,7 @@ class RoadTyre(LiftingTyre, bodies=1, derivatives="automatic", rare=True):
 class SurfaceTyre(LiftingTyre, bodies=1, derivatives="automatic", rare=True):
     """A tyre on a surface."""
 
-    s: Vec3  # [m] wheel centre in the body
-    k: Scalar  # [N/m]
-    c: Scalar  # [N s/m]
-    radius: Scalar  # [m] unloaded
-    road: Scalar  # [m] height that is added to surface and curve
-    width: Scalar  # [m] of the rounding
     surface: Surface  # [m] over the global x and y [m]
-    bump: Curve  # [m] over time [s]
 
     def _height(self, place: Array) -> Scalar:
         return self.surface.derivative(place[0], place[1], 0, 0)

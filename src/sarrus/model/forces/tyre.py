@@ -79,10 +79,10 @@ class RoadTyre(Force):
         width = positive(self.rounding, "rounding", "Give a small length in m.")
         rise, bump = _height(self.bump, "bump", "t")
         if isinstance(self.road, Surface):
-            yield Primitive(elements.SurfaceTyre, (body,), (*wheel, rise, width, self.road, bump), "tyre")
+            yield Primitive(elements.SurfaceTyre, (body,), (*wheel, rise, width, bump, self.road), "tyre")
             return
         height, profile = _height(self.road, "road", "x")
-        yield Primitive(elements.RoadTyre, (body,), (*wheel, height + rise, width, profile, bump), "tyre")
+        yield Primitive(elements.RoadTyre, (body,), (*wheel, height + rise, width, bump, profile), "tyre")
 
 
 def _wheel(tyre: Tyre | RoadTyre, poses: Poses) -> tuple[str, tuple[Vec3, float, float, float]]:

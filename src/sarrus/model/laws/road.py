@@ -16,23 +16,16 @@ from .curve import Curve
 from .surface import Surface
 
 CLASSES = "ABCDEFGH"
-ROUGHNESS_OF_A = (
-    16e-6  # [m³] displacement PSD of class A at the reference frequency, geometric mean; ISO 8608
-)
 REFERENCE = 0.1  # [1/m] the reference spatial frequency n0; ISO 8608
+ROUGHNESS_OF_A = 16e-6  # [m³] displacement PSD of class A at it, geometric mean; ISO 8608
 BAND = (0.011, 2.83)  # [1/m] of the spatial frequencies that ISO 8608 evaluates
 TERMS_IN_OCTAVE = 40
 POINTS_IN_WAVE = 20  # of the shortest wave: the spline through them is exact to 3e-5 of it
 POINTS_IN_RISE = 20  # at least, of the spline within the blend
 LEVEL = 1000.0  # [m] of the table before the road, on which a vehicle begins
 POINTS_BEFORE = 40  # of height 0: from each to the one before, a spline falls by 2 - √3, by 1e-23 in total
-COHERENCE = {
-    "A": (8.5, 3.5),
-    "B": (5.3, 2.2),
-    "C": (3.0, 1.3),
-    "D": (1.6, 0.8),
-    "E": (0.8, 0.5),
-}  # Ammon (1992)
+# Ω_p [rad/s] and p of the classes; Ammon (1992)
+COHERENCE = {"A": (8.5, 3.5), "B": (5.3, 2.2), "C": (3.0, 1.3), "D": (1.6, 0.8), "E": (0.8, 0.5)}
 
 
 @dataclass(frozen=True)
@@ -111,10 +104,6 @@ class RandomRoad:
             return ROUGHNESS_OF_A * 4.0 ** CLASSES.index(self.roughness)
         return float(self.roughness)
 
-    def psd(self, n: float | Array) -> Array:
-        """Return the displacement PSD G [m³] at spatial frequencies n [1/m], one-sided."""
-        return np.asarray(self.reference_psd * (np.asarray(n, float) / REFERENCE) ** -self.waviness)
-
     def coherence(self, n: float | Array) -> Array:
         """Return γ, the cross spectrum of the two tracks divided by the spectrum of each, at n [1/m]."""
         nearest = round(np.log(self.reference_psd / ROUGHNESS_OF_A) / np.log(4.0))
@@ -141,9 +130,8 @@ class RandomRoad:
             If the width is zero.
         """
         if self.width == 0:
-            raise ModelError(
-                "width is 0, so that both tracks are one. Use left, or give a width.", part="road"
-            )
+            message = "width is 0, so that both tracks are one. Use left, or give a width."
+            raise ModelError(message, part="road")
         x, right = np.array(self.right.pairs).T
         heights = np.column_stack([right, [z for _, z in self.left.pairs]])
         return Surface(x, [-self.width / 2, self.width / 2], heights)
@@ -185,7 +173,5 @@ class RandomRoad:
 
 def _sum(x: Array, n: Array, wave: np.ndarray[Any, Any]) -> Array:
     """Re Σ_k wave_k exp(2πi n_k x)."""
-    z = np.zeros_like(x)
-    for frequency, amplitude in zip(n, wave, strict=True):
-        z += np.abs(amplitude) * np.cos(2 * np.pi * frequency * x + np.angle(amplitude))
-    return z
+    cosines = (np.abs(a) * np.cos(2 * np.pi * f * x + np.angle(a)) for f, a in zip(n, wave, strict=True))
+    return np.asarray(sum(cosines))

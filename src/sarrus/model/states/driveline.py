@@ -101,20 +101,13 @@ class Driveline(WithParameters):
             message = f"{' and '.join(self.shafts)} are both {quote(names[0])}"
             raise ModelError(f"{message}. Name two different shafts.", field=self.shafts[1])
         for field in (*self.limits, *self.not_zero):
-            value = getattr(self, field)
-            low, high = self.limits.get(field, (-inf, inf))
-            if not isinstance(value, int | float) or (
-                low <= value <= high and (value or field not in self.not_zero)
-            ):
+            value, (low, high) = getattr(self, field), self.limits.get(field, (-inf, inf))
+            if not isinstance(value, int | float):
                 continue
-            rule = (
-                "be 0"
-                if field in self.not_zero
-                else f"be less than {low:g}"
-                if value < low
-                else f"exceed {high:g}"
-            )
-            raise ModelError(f"{field} must not {rule}, but is {value:g}. Correct it.", field=field)
+            is_zero = field in self.not_zero and value == 0
+            if is_zero or not low <= value <= high:
+                rule = "be 0" if is_zero else f"be less than {low:g}" if value < low else f"exceed {high:g}"
+                raise ModelError(f"{field} must not {rule}, but is {value:g}. Correct it.", field=field)
 
     def _check_shafts(self, signals: Signals) -> None:
         """Refuse what has no rate, and warn of a shaft whose formula has no torque of this part."""
@@ -122,9 +115,8 @@ class Driveline(WithParameters):
             shaft: Any = getattr(self, field)
             if signals.rolls(shaft) and not signals.rotor(shaft):
                 message = f"{field} is the tyre {quote(shaft)}, whose spin is no state"
-                raise ModelError(
-                    f"{message}. Give the tyre spin_inertia, or name the joint of the wheel.", field=field
-                )
+                remedy = "Give the tyre spin_inertia, or name the joint of the wheel."
+                raise ModelError(f"{message}. {remedy}", field=field)
             if f"{shaft}.{RATE}" not in {*signals.states, *signals.variables}:
                 self._refuse_other(field, shaft, signals)
                 continue
@@ -234,9 +226,8 @@ class Engine(Driveline, Force):
 
     def torques(self, r: Recording) -> tuple[Recorded, ...]:
         speed, throttle = self.rate(r, "joint"), self.law(r, "throttle")
-        torque = throttle * self.curve(r, "full_load", speed) + (1 - throttle) * self.curve(
-            r, "motoring", speed
-        )
+        full_load, motoring = (self.curve(r, field, speed) for field in ("full_load", "motoring"))
+        torque = throttle * full_load + (1 - throttle) * motoring
         return torque, torque
 
 
@@ -343,10 +334,8 @@ class TorqueConverter(Driveline, Force):
     limits: ClassVar[Limits] = {"capacity": (0.0, inf)}
 
     def torques(self, r: Recording) -> tuple[Recorded, ...]:
-        pump, idle = (
-            self.rate(r, "pump"),
-            r.number(positive(self.idle, "idle", "Give a small speed in rad/s.")),
-        )
+        pump = self.rate(r, "pump")
+        idle = r.number(positive(self.idle, "idle", "Give a small speed in rad/s."))
         ratio = self.rate(r, "turbine") / sqrt(pump * pump + idle * idle)
         torque = self.curve(r, "capacity", ratio) * pump * pump
         return torque, -torque, self.curve(r, "torque_ratio", ratio) * torque

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from itertools import pairwise
 from typing import Annotated, Any, NamedTuple
 
@@ -91,16 +91,8 @@ class PathFollower(WithParameters, WithNominal, Force):
 
     def variables(self) -> Iterator[tuple[str, Any]]:
         curves = cache(self._curves)
-        for word, formula in (("deviation", _deviation), ("curvature", _curvature)):
-            yield f"{self.name}.{word}", partial(self._of_place, curves, formula)
-
-    def _of_place(
-        self,
-        curves: Callable[[], tuple[Quintic, Quintic]],
-        formula: Callable[[Place], Recorded],
-        r: Recording,
-    ) -> Recorded:
-        return formula(self._place(r, curves()))
+        yield f"{self.name}.deviation", lambda r: _deviation(self._place(r, curves()))
+        yield f"{self.name}.curvature", lambda r: _curvature(self._place(r, curves()))
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load of the rate of u."""

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 from ...elements.forces.tyres import Fiala, TyreLaw
+from ..errors import ModelError
 from ..forces.force import Force
 from ..measure import In, Length, Ratio
 from ..quantity import not_negative, positive
-from .rolling_tyre import SimpleTyre, refuse_ranges
+from .rolling_tyre import SimpleTyre
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -41,7 +42,9 @@ class FialaTyre(SimpleTyre, Force):
     def tyre_law(self) -> tuple[type[TyreLaw], Mapping[str, Any]]:
         largest = positive(self.mu_max, "mu_max", "Give the coefficient of friction.")
         least = largest if self.mu_min is None else positive(self.mu_min, "mu_min", "Give that at full slip.")
-        refuse_ranges({"mu_min mu_max": (least, largest)})
+        if float(least) > float(largest):
+            message = f"mu_min must not be greater than mu_max, but they are {float(least):g} and {float(largest):g}"
+            raise ModelError(f"{message}. Exchange them.", field="mu_min")
         return Fiala, self.wheel() | {
             "c_kappa": positive(self.c_kappa, "c_kappa", "Give the slip stiffness in N."),
             "c_alpha": positive(self.c_alpha, "c_alpha", "Give the cornering stiffness in N/rad."),

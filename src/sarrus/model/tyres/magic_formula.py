@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from math import inf, isfinite
-from typing import Annotated, Any
+from math import isfinite
+from typing import Annotated, Any, NamedTuple
 
 from ...elements.forces.tyres import (
     LargeAngles52,
@@ -37,33 +37,49 @@ LARGE: dict[type[TyreLaw], type[TyreLaw]] = {
     MagicFormula61: LargeAngles61,
     TurnSlip: LargeAnglesTurnSlip,
 }
-POSITIVE = (
-    "UNLOADED_RADIUS",
-    "FNOMIN",
-    "VERTICAL_STIFFNESS",
-    "LONGVL",
-    "LFZO",
-    "LMUX",
-    "LMUY",
-    "PCX1",
-    "PDX1",
-    "PKX1",
-    "PCY1",
-)
-OPTIONAL = ("LFZO", "LMUX", "LMUY")
-NOT_ZERO = ("PDY1", "PKY1", "PKY2")
 KNOWN = frozenset(("FITTYP", *SCALES, *TERMS, *TURN, *CAMBER, *WHEEL))
 # Terms that break the symmetry of left and right
 MIRRORED_TEXT = """
 RHX1 PEY3 PHY1 PHY2 PVY1 PVY2 RBY3 RVY1 RVY2 QSX1 QHZ1 QHZ2 QBZ4 QDZ3 QEZ4 QDZ6 QDZ7 SSZ1
 """
 MIRRORED = tuple(MIRRORED_TEXT.split())
-RANGES = {
-    "ALPMIN": "ALPMAX",
-    "ALPMAX": "ALPMIN",
-    "CAMMIN": "CAMMAX",
-    "CAMMAX": "CAMMIN",
-}  # exchanged, and negative
+# Ends of ranges, which are exchanged, and negative
+RANGES = {"ALPMIN": "ALPMAX", "ALPMAX": "ALPMIN", "CAMMIN": "CAMMAX", "CAMMAX": "CAMMIN"}
+
+
+class Rule(NamedTuple):
+    """What values of coefficients must be, and the message behind the name of one that is not."""
+
+    coefficients: str
+    holds: Callable[[float], bool]
+    message: str
+    needed: str | None = None  # for what, if they must not be left out
+
+
+POSITIVE = "must be greater than 0, but is {:g}. Correct it"
+RULES = (
+    Rule("UNLOADED_RADIUS FNOMIN VERTICAL_STIFFNESS LONGVL", lambda x: x > 0, f"{POSITIVE}.", ""),
+    Rule("PCX1 PDX1 PKX1 PCY1", lambda x: x > 0, f"{POSITIVE}.", ""),
+    Rule("PDY1 PKY1 PKY2", bool, "must not be 0. Correct it.", ""),
+    Rule("LFZO LMUX LMUY NOMPRES INFLPRES FZMAX", lambda x: x > 0, f"{POSITIVE}, or leave it out."),
+    Rule("LONGITUDINAL_STIFFNESS LATERAL_STIFFNESS", lambda x: x > 0, f"{POSITIVE}, or leave it out."),
+    Rule("Q_FZ1", lambda x: x >= 0, "must not be negative, but is {:g}. Correct it, or leave it out."),
+    Rule("VERTICAL_DAMPING QSY7", lambda x: x >= 0, "must not be negative. Correct it."),
+    Rule("PTY2", bool, "must not be 0. Correct it, or leave out PTY1 and PTY2."),
+)
+OF_61 = (Rule("PKY4", bool, "must not be 0. Correct it.", ""),)
+EDGE = ", which Q_CAM1 and Q_CAM2 need"
+OF_EDGE = (  # of the tread of an inclined tyre, 6.2
+    Rule("WIDTH", lambda x: x > 0, f"must be greater than 0{EDGE}. Correct it.", EDGE),
+    Rule("ASPECT_RATIO", lambda x: 0 < x < 2, f"must be between 0 and 2{EDGE}. Correct it.", EDGE),
+)
+TURNS = ", which turn_slip needs"
+OF_TURN_SLIP = (
+    Rule("PHYP1 PHYP2", bool, "must not be 0 for turn_slip, but is {:g}. Correct it.", TURNS),
+    Rule("QCRP1", lambda x: x > 0, "must be greater than 0 for turn_slip, but is {:g}. Correct it.", TURNS),
+    Rule("QDRP1", lambda x: 0 < x < 2, "must be between 0 and 2 for turn_slip, but is {:g}. Correct it.", TURNS),
+    Rule("PECP1", lambda x: x < 1, "must be less than 1 for turn_slip, but is {:g}. Correct it."),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -109,14 +125,11 @@ class MagicFormulaTyre(RollingTyre, Force):
     def tyre_law(self) -> tuple[type[TyreLaw], Mapping[str, Any]]:
         given: Any = self.coefficients
         if not isinstance(given, Mapping):
-            message = (
-                f"coefficients must be a mapping, but is {show(given)}. Give those of sr.load_tyre(...)."
-            )
-            raise ModelError(message, field="coefficients")
+            message = f"coefficients must be a mapping, but is {show(given)}"
+            raise ModelError(f"{message}. Give those of sr.load_tyre(...).", field="coefficients")
         for option in ("turn_slip", "large_angles"):
-            if not isinstance(getattr(self, option), bool):
-                message = f"{option} must be True or False, but is {show(getattr(self, option))}."
-                raise ModelError(message, field=option)
+            if not isinstance(value := getattr(self, option), bool):
+                raise ModelError(f"{option} must be True or False, but is {show(value)}.", field=option)
         return checked(given, "coefficients", self.turn_slip, self.large_angles)
 
 
@@ -132,25 +145,26 @@ def checked(
     """
     for name, value in given.items():
         if name not in KNOWN:
-            raise ModelError(
-                f"{field} has the unknown name {quote(name)}. {suggest(name, KNOWN)}", field=field
-            )
+            message = f"{field} has the unknown name {quote(name)}. {suggest(name, KNOWN)}"
+            raise ModelError(message, field=field)
         number(value, f"{field}.{name}")
     plain = {name: float(value_of(value)) for name, value in given.items()}
     kinds = ", ".join(map(str, LAWS))
     if "FITTYP" not in plain:
-        raise ModelError(
-            f"{field} has no FITTYP, the version of the formulas. Give one of {kinds}.", field=field
-        )
+        message = f"{field} has no FITTYP, the version of the formulas. Give one of {kinds}."
+        raise ModelError(message, field=field)
     kind = plain["FITTYP"]
     if kind not in LAWS:
-        raise ModelError(
-            f"{field}.FITTYP is {kind:g}, which is not supported. Choose from {kinds}.", field=field
-        )
-    _check_values(plain, field)
+        message = f"{field}.FITTYP is {kind:g}, which is not supported. Choose from {kinds}."
+        raise ModelError(message, field=field)
     law, unused = LAWS[int(kind)], _unused(given, turn_slip)
+    _check_values(plain, law, field)
+    if turn_slip and law is not MagicFormula61:
+        message = f"turn_slip needs a FITTYP from 60 to 62, but it is {kind:g}. Leave turn_slip out."
+        raise ModelError(message, field="turn_slip")
     if turn_slip:
-        law = _turning(plain, field)
+        _check(plain, OF_TURN_SLIP, field)
+        law = TurnSlip
     used = {name: value for name, value in given.items() if name not in unused}
     _check_forces(law, tuple((name, plain[name]) for name in used), field)
     return LARGE[law] if large_angles else law, used
@@ -171,9 +185,8 @@ def _check_forces(kind: type[TyreLaw], numbers: tuple[tuple[str, float], ...], f
         K = law.cornering_stiffness(nominal, 0.0)
         if K >= 0.0:
             message = f"{field} has the cornering stiffness {K:.4g} N/rad at FNOMIN, which must be negative"
-            raise ModelError(
-                f"{message}: F_y < 0 for α > 0. Correct the signs of PKY1, PKY2 and LKY.", field=field
-            )
+            remedy = "F_y < 0 for α > 0. Correct the signs of PKY1, PKY2 and LKY."
+            raise ModelError(f"{message}: {remedy}", field=field)
         for load in (0.0, nominal, plain.get("FZMAX", 3.0 * nominal)):
             forces = law.wrench(law.in_range(Slip(0.05, 0.1, 0.02, load)))
             if not all(map(isfinite, (*forces, law.vertical_force(0.01, 0.0, 0.0, 1e-3)))):
@@ -199,76 +212,34 @@ def _unused(given: Any, turn_slip: bool) -> set[str]:
     return unused.intersection(plain)
 
 
-def _turning(plain: Mapping[str, float], field: str) -> type[TyreLaw]:
-    """The law with turn slip.
-
-    Raises
-    ------
-    ModelError
-        If a coefficient that it needs is missing or has no sense.
-    """
-    if LAWS[int(plain["FITTYP"])] is not MagicFormula61:
-        message = f"turn_slip needs a FITTYP from 60 to 62, but it is {plain['FITTYP']:g}"
-        raise ModelError(f"{message}. Leave turn_slip out.", field="turn_slip")
-    rules = {
-        "PHYP1": ("not be 0", plain.get("PHYP1") != 0.0),
-        "PHYP2": ("not be 0", plain.get("PHYP2") != 0.0),
-        "QCRP1": ("be greater than 0", plain.get("QCRP1", 0.0) > 0.0),
-        "QDRP1": ("be between 0 and 2", 0.0 < plain.get("QDRP1", 0.0) < 2.0),
-        "PECP1": ("be less than 1", plain.get("PECP1", 0.0) < 1.0),
-    }
-    for name, (rule, right) in rules.items():
-        if name not in plain and name != "PECP1":
-            raise ModelError(f"{field} has no {name}, which turn_slip needs. Add it.", field=field)
-        if not right:
-            message = f"{field}.{name} must {rule} for turn_slip, but is {plain[name]:g}"
-            raise ModelError(f"{message}. Correct it.", field=field)
-    return TurnSlip
+def _check(plain: Mapping[str, float], rules: Iterable[Rule], field: str) -> None:
+    for rule in rules:
+        for name in rule.coefficients.split():
+            if name not in plain and rule.needed is not None:
+                raise ModelError(f"{field} has no {name}{rule.needed}. Add it.", field=field)
+            if name in plain and not rule.holds(plain[name]):
+                raise ModelError(f"{field}.{name} {rule.message.format(plain[name])}", field=field)
 
 
-def _check_values(plain: Mapping[str, float], field: str) -> None:
-    later = ("PKY4",) if LAWS[int(plain["FITTYP"])] is MagicFormula61 else ()
-    for name in (*POSITIVE, *NOT_ZERO, *later):
-        if name not in plain and name not in OPTIONAL:
-            raise ModelError(f"{field} has no {name}. Add it.", field=field)
-        value = plain.get(name, 1.0)
-        if value == 0.0 or (value < 0.0 and name in POSITIVE):
-            rule = "must not be 0" if name not in POSITIVE else f"must be greater than 0, but is {value:g}"
-            raise ModelError(f"{field}.{name} {rule}. Correct it.", field=field)
-    for name in ("NOMPRES", "INFLPRES", "LONGITUDINAL_STIFFNESS", "LATERAL_STIFFNESS", "FZMAX"):
-        if plain.get(name, 1.0) <= 0.0:
-            message = f"{field}.{name} must be greater than 0, but is {plain[name]:g}"
-            raise ModelError(f"{message}. Correct it, or leave it out.", field=field)
+def _check_values(plain: Mapping[str, float], law: type[TyreLaw], field: str) -> None:
+    _check(plain, (*RULES, *OF_61) if law is MagicFormula61 else RULES, field)
     for name, other in (("RCX1", "RCY1"), ("RCY1", "RCX1")):
         if plain.get(name) and not plain.get(other):
             message = f"{field} has {name}, but no {other}, for forces in combined slip"
             raise ModelError(f"{message}. Add it, or leave out both for an ellipse.", field=field)
     if plain["FITTYP"] == 62 and (plain.get("Q_CAM1") or plain.get("Q_CAM2")):
-        for name, most in (("WIDTH", inf), ("ASPECT_RATIO", 2.0)):
-            if not 0.0 < plain.get(name, 0.0) < most:
-                rule = f"must be greater than 0 and less than {most:g}" if name in plain else "is missing"
-                raise ModelError(f"{field}.{name} {rule}, with Q_CAM1 and Q_CAM2. Correct it.", field=field)
+        _check(plain, OF_EDGE, field)
         if plain.get("Q_CAM1", 0.0) + plain.get("Q_CAM2", 0.0) * plain["UNLOADED_RADIUS"] == 0.0:
             raise ModelError(f"{field}.Q_CAM1 + Q_CAM2 R must not be 0. Correct them.", field=field)
-    if "PTY2" in plain and plain["PTY2"] == 0.0:
-        raise ModelError(f"{field}.PTY2 must not be 0. Correct it, or leave out PTY1 and PTY2.", field=field)
     for name in ("KPU", "ALP", "CAM"):
         low, high = plain.get(f"{name}MIN", -0.1), plain.get(f"{name}MAX", 0.1)
         if low >= 0.0 or high <= 0.0:
-            message = (
-                f"{field} has the range {low:g} to {high:g} of {name}MIN and {name}MAX, without zero in it"
-            )
-            raise ModelError(f"{message}. Correct it.", field=field)
+            span = f"the range {low:g} to {high:g} of {name}MIN and {name}MAX, without zero in it"
+            raise ModelError(f"{field} has {span}. Correct it.", field=field)
     steep = plain["VERTICAL_STIFFNESS"] * plain["UNLOADED_RADIUS"] / plain["FNOMIN"]
-    if plain.get("Q_FZ1", 0.0) < 0.0:
-        message = f"{field}.Q_FZ1 must not be negative, but is {plain['Q_FZ1']:g}"
-        raise ModelError(f"{message}. Correct it, or leave it out.", field=field)
     if not plain.get("Q_FZ1") and 4 * plain.get("Q_FZ2", 0.0) >= steep * steep:
         limit = f"{field}.Q_FZ2 must be less than {steep * steep / 4:.6g}, that VERTICAL_STIFFNESS is reached at FNOMIN"
         raise ModelError(f"{limit}, but is {plain['Q_FZ2']:g}. Correct it, or give Q_FZ1.", field=field)
-    for name in ("VERTICAL_DAMPING", "QSY7"):
-        if plain.get(name, 0.0) < 0.0:
-            raise ModelError(f"{field}.{name} must not be negative. Correct it.", field=field)
 
 
 def mirrored(coefficients: Mapping[str, float]) -> dict[str, float]:

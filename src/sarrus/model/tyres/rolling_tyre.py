@@ -65,9 +65,7 @@ class RollingTyre:
         [rad/s] Absolute spin about the axis at the start, positive forwards; only with ``spin_inertia``.
     """
 
-    parity: ClassVar[Parities] = declared(
-        axis="axial"
-    )  # to the left of the direction of travel on both sides
+    parity: ClassVar[Parities] = declared(axis="axial")  # to the left of the travel on both sides
 
     point: Point
     axis: Direction = field(default=(0.0, 1.0, 0.0), kw_only=True)
@@ -123,18 +121,16 @@ class RollingTyre:
             not_negative(self.damping_time, "damping_time", "Give it in s, or 0."),
             positive(self.shortest_relaxation, "shortest_relaxation", "Give a small length in m."),
             height,
-            *([] if road is None else [road]),
-            *coefficients.values(),
         ]
-        bodies, names = (self._block, point.body), tuple(coefficients)
+        inertia = self.spin_inertia
+        spins = [] if inertia is None else [positive(inertia, "spin_inertia", "Give it in kg m².")]
+        values += [*spins, *([] if road is None else [road]), *coefficients.values()]
         of_road = "flat" if road is None else "surface" if isinstance(road, Surface) else "profile"
-        if self.spin_inertia is None:
-            yield Primitive(tyre_element(RolledTyre, kind, names, of_road), bodies, tuple(values), "tyre")
-            return
-        inertia = positive(self.spin_inertia, "spin_inertia", "Give it in kg m².")
-        element = tyre_element(SpinningTyre, kind, names, of_road)
-        yield Primitive(element, bodies, (*values, inertia), "tyre")
-        yield Primitive(Rotor, bodies, (inertia, axis), "rotor")
+        element = tyre_element(SpinningTyre if spins else RolledTyre, kind, tuple(coefficients), of_road)
+        bodies = self._block, point.body
+        yield Primitive(element, bodies, tuple(values), "tyre")
+        if spins:
+            yield Primitive(Rotor, bodies, (*spins, axis), "rotor")
 
     def _road(self) -> tuple[Any, Curve | Formula | Surface | None]:
         """Return a constant height, and what is added to it if the road is not flat."""
@@ -194,14 +190,3 @@ class SimpleTyre(RollingTyre):
                 self.rolling_resistance, "rolling_resistance", "Give 0 or more."
             ),
         }
-
-
-def refuse_ranges(pairs: Mapping[str, tuple[Any, Any]]) -> None:
-    """Raise a ModelError where the first of two numbers is greater than the second."""
-    for names, (low, high) in pairs.items():
-        first, second = names.split()
-        if float(low) > float(high):
-            message = (
-                f"{first} must not be greater than {second}, but they are {float(low):g} and {float(high):g}"
-            )
-            raise ModelError(f"{message}. Exchange them.", field=first)

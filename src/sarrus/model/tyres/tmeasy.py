@@ -23,6 +23,7 @@ ORDERED = (
     ("zero_slip", "end_slip"),
 )
 CURVES = ("slope", "peak_slip", "peak_force", "sliding_slip", "sliding_force")
+PAIRS = (*(f"{curve}_{axis}" for curve in CURVES for axis in "xy"), *TRAIL)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -74,11 +75,9 @@ class TmeasyTyre(SimpleTyre, Force):
         found = self.wheel()
         found["nominal_load"] = positive(self.nominal_load, "nominal_load", "Give it in N.")
         found["mu"] = positive(self.mu, "mu", "Give the relative friction.")
-        for name in (*(f"{curve}_{axis}" for curve in CURVES for axis in "xy"), *TRAIL):
-            pair = numbers(
-                getattr(self, name), 2, name, "Give the values at the nominal load and at twice it."
-            )
-            for n, value in enumerate(pair, 1):
+        for name in PAIRS:
+            remedy = "Give the values at the nominal load and at twice it."
+            for n, value in enumerate(numbers(getattr(self, name), 2, name, remedy), 1):
                 found[f"{name}_{n}"] = positive(value, name, "Give such numbers.")
         _check_curves(TMeasy({name: float(value_of(value)) for name, value in found.items()}))
         return TMeasy, found
@@ -88,12 +87,11 @@ def _check_curves(law: TMeasy) -> None:
     """Refuse numbers without sense at a load from 0 to the last one; all are linear in it, some over the load."""
     for q in (0.0, 1.0, 2.0, LAST):
         at = f"at {q:g} times the nominal load" + ("" if q else ", slopes and forces over this factor")
-        for name in (*(f"{curve}_{axis}" for curve in CURVES for axis in "xy"), *TRAIL):
+        for name in PAIRS:
             if law.number(name, q) <= 0.0:
                 message = f"{name} leads to {_shown(law, name, q):.4g} {at}, which must be greater than 0"
-                raise ModelError(
-                    f"{message}. Bring the two values closer to each other, or further apart.", field=name
-                )
+                remedy = "Bring the two values closer to each other, or further apart."
+                raise ModelError(f"{message}. {remedy}", field=name)
         for low, high in ORDERED:
             least, most = law.number(low, q), law.number(high, q)
             if least > most or (least == most and "force" not in low):

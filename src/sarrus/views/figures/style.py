@@ -87,10 +87,11 @@ def suppress_round_off(ax: Any, largest: float, scale: float, unit: str) -> None
         ax.text(0.5, 0.6, f"< {bound:.0e} {unit}".rstrip(), transform=ax.transAxes, ha="center", color=GREY)
 
 
-def legend_beside(ax: Any, own: bool) -> None:
+def legend_beside(ax: Any, own: bool, title: str = "") -> None:
     """A legend to the right of the axes of a new figure, whose layout adapts; in axes of the user over the curves."""
     if own:
-        ax.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
+        place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0}
+        ax.legend(frameon=False, title=title, **place)
     else:
         ax.legend(frameon=True, framealpha=0.8, edgecolor="none")
 

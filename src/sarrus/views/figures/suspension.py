@@ -16,30 +16,12 @@ if TYPE_CHECKING:
     from ...vehicles.characteristics import SweepName
 
 SHEETS = {
-    "bump": (
-        *(
-            "toe",
-            "camber",
-            "caster",
-            "kingpin_inclination",
-            "scrub_radius",
-            "mechanical_trail",
-            "track_change",
-        ),
-        *("wheel_recession", "roll_centre_height", "fvsa_angle", "svsa_angle", "anti_dive", "spring_ratio"),
-    ),
-    "roll": ("roll_angle", "toe", "camber", "caster", "roll_centre_height", "roll_centre_lateral"),
-    "steer": (
-        "steer_angle",
-        "camber",
-        "caster_trail",
-        "scrub_radius",
-        "ackermann_angle",
-        "ackermann_error",
-        "turn_radius",
-    ),
+    "bump": "toe camber caster kingpin_inclination scrub_radius mechanical_trail track_change wheel_recession "
+    "roll_centre_height fvsa_angle svsa_angle anti_dive spring_ratio",
+    "roll": "roll_angle toe camber caster roll_centre_height roll_centre_lateral",
+    "steer": "steer_angle camber caster_trail scrub_radius ackermann_angle ackermann_error turn_radius",
 }
-COLUMNS = 3
+COLUMNS = 3  # of a sheet, or so many more that no panel is alone in its row
 OF_AXLE = ("roll_centre_height", "roll_centre_lateral", "roll_angle", "ackermann_angle")
 FARTHEST = 100.0  # [m] the largest radius of a turn that is drawn
 
@@ -61,25 +43,20 @@ def plot_suspension(result: Suspension, sweep: SweepName, names: Sequence[str] =
     from ...vehicles.tables import SHOWN, column, displacement
 
     known = result.names(sweep)
-    names = names or [name for name in SHEETS.get(sweep, known) if name in known]
-    axes = _axes(ax, len(names))
-    x = displacement(result, sweep)
+    sheet = SHEETS[sweep].split() if sweep in SHEETS else known
+    names = names or [name for name in sheet if name in known]
+    columns = next((n for n in range(COLUMNS, len(names)) if len(names) % n != 1), len(names))
+    axes, x = _axes(ax, len(names), columns), displacement(result, sweep)
     for one, name in zip(axes, names, strict=True):
         for side, (colour, line) in zip(result.sides, ((BLUE, "-"), (ORANGE, "--")), strict=False):
             if side == result.sides[0] or name not in OF_AXLE:
                 shown = column(result, name, sweep, side)
-                values = np.where(abs(shown.values) * SHOWN["m"].size > FARTHEST, np.nan, shown.values)
-                one.plot(
-                    x.values,
-                    values if name.startswith("turn") else shown.values,
-                    line,
-                    color=colour,
-                    label=side,
-                )
+                far = name.startswith("turn") & (abs(shown.values) * SHOWN["m"].size > FARTHEST)
+                one.plot(x.values, np.where(far, np.nan, shown.values), line, color=colour, label=side)
                 label = f"{name.replace('_', ' ')} [{shown.unit or 1}]"
         one.set_ylabel(in_two_lines(label))
         _keep_round_off_flat(one)
-    for one in axes[-COLUMNS:]:
+    for one in axes[-columns:]:
         one.set_xlabel(x.label)
         one.tick_params(labelbottom=True)
     if len(result.sides) > 1:
@@ -95,14 +72,14 @@ def _keep_round_off_flat(axes: Any) -> None:
         axes.set_ylim(middle - 1, middle + 1)
 
 
-def _axes(ax: Any, count: int) -> Any:
+def _axes(ax: Any, count: int, columns: int) -> Any:
     if ax is None or hasattr(ax, "subplots"):
-        rows, width = ceil(count / COLUMNS), min(count, COLUMNS)
-        figure = new_figure(INCHES.panel * 1.2 * width, 2.1 * rows) if ax is None else ax
-        found = np.ravel(figure.subplots(rows, width, sharex=True))
-        for one in found[count:]:
-            one.remove()
-        ax = found[:count]
+        rows = ceil(count / columns)
+        figure = new_figure(INCHES.panel * 1.2 * columns, 2.1 * rows) if ax is None else ax
+        every = np.ravel(figure.subplots(rows, columns, sharex=True))
+        for empty in every[count:]:
+            empty.remove()
+        ax = every[:count]
     axes = np.atleast_1d(np.asarray(ax, dtype=object))
     if len(axes) != count:
         raise SarrusError(f"ax: {len(axes)} axes for {count} panels. Give {count} axes, or a figure.")

@@ -11,7 +11,7 @@ from ...elements.forces.tyres import Slip, TyreLaw, sampled
 from ...model.checks.arguments import Number
 from ...model.errors import ModelError
 from ...model.show import show
-from .style import new_figure, tidied
+from .style import legend_beside, new_figure, tidied
 
 POINTS = 161
 LOADS = (0.5, 1.0, 1.5)  # over the nominal load
@@ -42,7 +42,7 @@ def tyre_figure(law: Any, name: str = "", load: float | None = None) -> Any:
         law = _law_of(law)
     load = float(getattr(law, "nominal_load", 4000.0)) if load is None else load
     Number(positive=True)("load", load)
-    figure = new_figure(9.0, 6.4)
+    figure = new_figure(9.8, 6.4)
     axes = [tidied(ax) for ax in np.ravel(figure.subplots(2, 2))]
     kappa, alpha = (np.linspace(-x, x, POINTS) for x in (LARGEST_KAPPA, LARGEST_ALPHA))
     for factor in LOADS:
@@ -62,10 +62,9 @@ def tyre_figure(law: Any, name: str = "", load: float | None = None) -> Any:
         ("$F_x$ [kN]", "$F_y$ [kN]"),
     )
     for ax, (across, up) in zip(axes, titles, strict=True):
-        ax.set_xlabel(across)
-        ax.set_ylabel(up)
-    axes[0].legend(frameon=False, title="$F_z$")
-    axes[3].legend(frameon=False, title=f"$F_z$ = {load * KILO:.3g} kN")
+        ax.set(xlabel=across, ylabel=up)
+    axes[0].legend(frameon=False, title="$F_z$", loc="upper left")
+    legend_beside(axes[3], True, title=f"$F_z$ = {load * KILO:.3g} kN")
     figure.suptitle(name)
     return figure
 

@@ -50,16 +50,6 @@ MASS = 1.0  # [kg] of the block of the states, a scale alone
 LEANING = (0.25, 0.1170)  # cos² of 60° and of 70°
 LARGEST = 70.0  # [deg]
 LEAST = 1.0  # [N] load by which the use of friction is divided at least
-COMMON = {
-    "s": "Vec3",  # [m] wheel centre in the wheel
-    "axis": "Vec3",  # [-] spin axis in the wheel, to the left
-    "rounding": "Scalar",  # [m] of the rounding of the load
-    "creep": "Scalar",  # [m/s] of the rounding of |V_x|
-    "low_speed": "Scalar",  # [m/s] below which deflections are damped and bounded
-    "damping_time": "Scalar",  # [s] τ
-    "shortest": "Scalar",  # [m] the least relaxation length
-    "road": "Scalar",  # [m] height that is added to the profile or the surface
-}
 ROADS: dict[str, dict[str, str]] = {
     "flat": {},
     "profile": {"profile": "Curve"},  # [m] height over the global x [m]
@@ -108,22 +98,22 @@ class RollingTyre(Force, abstract=True, metaclass=TyreType):
     coefficients: ClassVar[tuple[str, ...]]
     kind_of_road: ClassVar[str]  # of `ROADS`
     prefix: ClassVar[str] = ""  # of the names of its classes
-    further: ClassVar[dict[str, str]] = {}  # fields behind those of the law
     validity: ClassVar[Validity | None] = Validity(
         "lean", -LARGEST, LARGEST, "its contact ends where the wheel leans by [deg]",
         "where the wheel passes through the road. Hold it by contacts of its body, such as sr.SphereContact, or end "
         "the run there by an event."
     )  # fmt: skip
 
-    if TYPE_CHECKING:  # the fields of `COMMON` and `ROADS`
-        s: Vec3
-        axis: Vec3
-        rounding: Scalar
-        creep: Scalar
-        low_speed: Scalar
-        damping_time: Scalar
-        shortest: Scalar
-        road: Scalar
+    s: Vec3  # [m] wheel centre in the wheel
+    axis: Vec3  # [-] spin axis in the wheel, to the left
+    rounding: Scalar  # [m] of the rounding of the load
+    creep: Scalar  # [m/s] of the rounding of |V_x|
+    low_speed: Scalar  # [m/s] below which deflections are damped and bounded
+    damping_time: Scalar  # [s] τ
+    shortest: Scalar  # [m] the least relaxation length
+    road: Scalar  # [m] height that is added to the profile or the surface
+
+    if TYPE_CHECKING:  # those of `ROADS`
         profile: Curve
         surface: Surface
 
@@ -308,7 +298,7 @@ def tyre_element(
     base: type[RollingTyre], law: type[TyreLaw], coefficients: tuple[str, ...], road: str
 ) -> type[RollingTyre]:
     """The element's class for a law, the names of its coefficients, and a kind of road, see `ROADS`."""
-    fields = COMMON | ROADS[road] | dict.fromkeys(coefficients, "Scalar") | base.further
+    fields = ROADS[road] | dict.fromkeys(coefficients, "Scalar")
     body: dict[str, Any] = {"__annotations__": fields, "__module__": __name__, "__doc__": law.__doc__}
     body |= {"law": law, "coefficients": coefficients, "kind_of_road": road}
     options: dict[str, Any] = {"derivatives": "automatic", "rare": True, "registered": False}

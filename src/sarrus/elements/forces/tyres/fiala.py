@@ -44,14 +44,9 @@ class Fiala(TyreLaw):
         z = self.c_alpha * rounded_absolute(slip.tan_alpha, EDGE) / (3 * N + SMALLEST)
         part, elastic = minimum(z, 1), self.c_alpha * slip.tan_alpha
         H = 1 - part
-        return Wrench(
-            F_x=self.longitudinal(slip.kappa, N),
-            F_y=-elastic
-            * (1 - part + part * part / 3)
-            / maximum(z, 1),  # N (1 - H³) = C |tan α| (1 - z + z²/3)
-            M_y=self.rolling_moment(slip),
-            M_z=self.width * elastic / 3 * H * H * H * slip.direction,
-        )
+        F_y = -elastic * (1 - part + part * part / 3) / maximum(z, 1)  # N (1 - H³) = C |tan α| (1 - z + z²/3)
+        M_z = self.width * elastic / 3 * H * H * H * slip.direction
+        return Wrench(self.longitudinal(slip.kappa, N), F_y, M_y=self.rolling_moment(slip), M_z=M_z)
 
     def longitudinal(self, kappa: Any, N: Any) -> Any:
         """F_x = C κ (2/m - 1/m²) with m = |κ|/κ_c, or 1 below it [N]."""

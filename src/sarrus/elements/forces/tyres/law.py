@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple
 
 from ...._jit.formulas.functions import atan
-from ..laws import along, soft_ramp, soft_step
+from ..laws import soft_ramp, soft_step
 
 
 class Slip(NamedTuple):
@@ -74,10 +74,9 @@ class TyreLaw(ABC):
         return soft_step(depth, width) * soft_ramp(self.k * depth + self.c * rate, self.k * width)
 
     def stored_energy(self, depth: Any, width: Any) -> Any:
-        """The integral of F_z over ρ for ρ̇ = 0 [J]."""
-        u, beyond = along(depth, width)
-        rounded = u**6 * (1 - u + u * u / 4) * width * width
-        return self.k * (rounded + beyond * (beyond + width)) / 2
+        """½ k ρ₊², the integral of F_z over ρ for ρ̇ = 0 [J]."""
+        pressed = soft_ramp(depth, width)
+        return self.k * pressed * pressed / 2
 
     def rolling_radius(self, loaded: Any, load: Any, spin: Any) -> Any:
         """R_e = (2 R_0 + R_l)/3 [m], [R12 3.69]."""

@@ -93,10 +93,6 @@ class MagicFormulaForces(MagicFormulaWheel):
         """ζ_i of turn slip."""
         return TurnFactors()
 
-    def df(self, slip: Slip) -> Any:
-        """Change of the load over the nominal one. [P12 4.E2a]"""
-        return slip.load / self.nominal_load - 1
-
     def in_range(self, slip: Slip) -> Slip:
         inside = {
             name: limited(getattr(slip, name), one.low, one.high) for name, one in self.ranges().items()

@@ -77,9 +77,8 @@ class MagicFormula61(MagicFormulaForces):
         gamma, f, y = slip.gamma, slip.load / self.FNOMIN, F_y / self.FNOMIN
         lean = rounded_absolute(gamma, EDGE)
         M = self.QSX1 * self.LVMX - self.QSX2 * gamma * (1 + self.PPMX1 * self.dp) + self.QSX3 * y
-        M = M + self.QSX4 * cos(self.QSX5 * atan(self.QSX6 * f * self.QSX6 * f)) * sin(
-            self.QSX7 * gamma + self.QSX8 * atan(self.QSX9 * y)
-        )
+        angle = self.QSX7 * gamma + self.QSX8 * atan(self.QSX9 * y)
+        M = M + self.QSX4 * cos(self.QSX5 * atan(self.QSX6 * f * self.QSX6 * f)) * sin(angle)
         M = M + self.QSX10 * atan(self.QSX11 * f) * gamma - self.QSX12 * gamma * lean
         return self.UNLOADED_RADIUS * self.LMX * (slip.load * M + F_y * (self.QSX13 + self.QSX14 * lean))
 
@@ -97,12 +96,8 @@ class MagicFormula61(MagicFormulaForces):
     def rolling_terms(self, slip: Slip, F_x: Any) -> Any:
         """QSY1 + QSY2 F_x/F_z0 + QSY3 |V_x/V_0| + QSY4 (V_x/V_0)⁴."""
         v = slip.speed / self.LONGVL
-        return (
-            self.QSY1
-            + self.QSY2 * F_x / self.FNOMIN
-            + self.QSY3 * rounded_absolute(v, 1e-3)
-            + self.QSY4 * v * v * v * v
-        )
+        M = self.QSY1 + self.QSY2 * F_x / self.FNOMIN + self.QSY3 * rounded_absolute(v, 1e-3)
+        return M + self.QSY4 * v * v * v * v
 
 
 def _equivalent(alpha: Any, ratio: Any) -> Any:

@@ -88,6 +88,10 @@ class MagicFormulaWheel(TyreLaw):
         """F'_z0 = LFZO F_z0 [N]. [P12 4.E1]"""
         return self.LFZO * self.FNOMIN
 
+    def df(self, slip: Slip) -> Any:
+        """Change of the load over the nominal one. [P12 4.E2a]"""
+        return slip.load / self.nominal_load - 1
+
     @cached_property
     def dp(self) -> Any:
         """Change of the pressure over the nominal one. [P12 4.E2b]"""
@@ -139,13 +143,10 @@ class MagicFormulaWheel(TyreLaw):
     def stored_energy(self, depth: Any, width: Any) -> Any:
         """The integral of F_z over ρ for ρ̇ = 0 at rest [J]."""
         k, second = self._stiffness()
-        u, b = along(depth, width)
-        linear = u**6 * (1 - u + u * u / 4) * width * width + b * (b + width)
-        cubic = (
-            width**3 * u**7 * (1 / 7 - u / 8 + u * u / 36)
-            + b * (b * b + 1.5 * b * width + 0.75 * width * width) / 3
-        )
-        return k * linear / 2 + second * cubic
+        pressed, (u, b) = soft_ramp(depth, width), along(depth, width)
+        cubic = width**3 * u**7 * (1 / 7 - u / 8 + u * u / 36)  # the integral of ρ₊²
+        cubic = cubic + b * (b * b + 1.5 * b * width + 0.75 * width * width) / 3
+        return k * pressed * pressed / 2 + second * cubic
 
     def rolling_radius(self, loaded: Any, load: Any, spin: Any) -> Any:
         """R_e [m]. [B10 2], [P12 4.E100]"""
@@ -154,8 +155,7 @@ class MagicFormulaWheel(TyreLaw):
 
     def relaxation_lengths(self, slip: Slip) -> tuple[Any, Any]:
         """σ = K/C of the carcass (6.x), or the empirical length of 5.2 where a file has no such stiffness [m]."""
-        df = slip.load / self.nominal_load - 1
-        return self._longitudinal_length(slip, df), self._lateral_length(slip, df)
+        return self._longitudinal_length(slip, self.df(slip)), self._lateral_length(slip, self.df(slip))
 
     def _longitudinal_length(self, slip: Slip, df: Any) -> Any:
         if "LONGITUDINAL_STIFFNESS" not in self.given:
@@ -172,9 +172,8 @@ class MagicFormulaWheel(TyreLaw):
             return sqrt(K * K + SMALLEST) / (C * (1 + self.PCFY3 * self.dp))
         if "lateral" in without_relaxation(self.given):
             return 0
-        length = (
-            self.PTY1 * sin(2 * atan(slip.load / (self.PTY2 * self.nominal_load))) * self.LFZO * self.LSGAL
-        )
+        length = self.PTY1 * sin(2 * atan(slip.load / (self.PTY2 * self.nominal_load)))
+        length = length * self.LFZO * self.LSGAL
         return length * self.UNLOADED_RADIUS * (1 - self.PKY3 * rounded_absolute(slip.gamma, EDGE))
 
     def sliding_slips(self, load: Any) -> tuple[Any, Any]:
@@ -182,11 +181,3 @@ class MagicFormulaWheel(TyreLaw):
         x = self.PDX1 * self.LMUX * load / (self.longitudinal_stiffness(Slip(0, 0, 0, load)) + SMALLEST)
         y = self.PDY1 * self.LMUY * load / (self.cornering_stiffness(load, 0) - SMALLEST)
         return 3 * sqrt(x * x), 3 * sqrt(y * y)
-
-    def longitudinal_stiffness(self, slip: Slip) -> Any:
-        """K_xκ [N]."""
-        raise NotImplementedError
-
-    def cornering_stiffness(self, F_z: Any, gamma: Any) -> Any:
-        """K_yα [N/rad]."""
-        raise NotImplementedError

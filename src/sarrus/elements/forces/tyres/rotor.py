@@ -63,6 +63,5 @@ class Rotor(Passive, Force, bodies=2, derivatives="automatic", rare=True, regist
         return v.r_i[SPIN] - 2 * (E(x.p_j) @ v.p_j) @ rotate(x.p_j, self.axis)
 
 
-Rotor.outputs = {
-    word: Rotor.outputs[word] for word in ("rate", "spin_energy")
-}  # others are those of the tyre
+# Others are those of the tyre
+Rotor.outputs = {word: Rotor.outputs[word] for word in ("rate", "spin_energy")}

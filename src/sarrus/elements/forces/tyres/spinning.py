@@ -10,7 +10,7 @@ and the rest on the carrier, with the force. The gyroscopic torque is that of th
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -25,9 +25,7 @@ class SpinningTyre(RollingTyre, abstract=True):
     """Base of the classes of rolling tyres whose spin is a state."""
 
     prefix = "Spinning"
-    further: ClassVar[dict[str, str]] = {"spin_inertia": "Scalar"}
-    if TYPE_CHECKING:
-        spin_inertia: Scalar  # [kg m²] J
+    spin_inertia: Scalar  # [kg m²] J
 
     def _contact(self, x: Pair, v: Pair) -> Contact:
         return super()._contact(x, self._of_wheel(x, v))

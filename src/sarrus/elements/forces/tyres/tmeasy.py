@@ -44,10 +44,7 @@ class TMeasy(TyreLaw):
 
     def _sliding_slip(self, axis: str, q: Any) -> Any:
         """The smaller root r = s/s_M of r² - b r + 1 = 0, b = D (F_M/F_S - 1) + 2, D = dF_0 s_M/F_M, times s_M."""
-        s_M, F_M = (
-            self.mu * self.number(f"peak_slip_{axis}", q),
-            self.mu * self.number(f"peak_force_{axis}", q),
-        )
+        s_M, F_M = (self.mu * self.number(f"{name}_{axis}", q) for name in ("peak_slip", "peak_force"))
         D = maximum(self.number(f"slope_{axis}", q) * s_M / F_M, 2)
         b = D * (F_M / (self.mu * self.number(f"sliding_force_{axis}", q)) - 1) + 2
         return 2 * s_M / (b + sqrt(b * b - 4 + SMALLEST))

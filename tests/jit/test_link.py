@@ -196,6 +196,7 @@ def calls_numbers(x: Any) -> Any:
     [
         (calls_same, "same: calls_same counts references, and would release the array"),
         (calls_halves, "halves: calls_halves counts references, and would release the array"),
+        (halves, "halves: Python counts references, and would release the array"),
         (calls_leak, "doubled: sum_of_doubled counts no references, and would never release the array"),
     ],
 )

@@ -16,10 +16,10 @@ from numba.core import config as numba_config
 
 from ..linking.cache import KernelCache
 from ..linking.compiler import LinkedCompiler
+from ..linking.link import COMMON
 from .emit import Recording, loop
 
 LONGEST = 60  # characters of a name: files that Numba keeps have it twice in theirs, of at most 255
-OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 COMPILING = threading.RLock()  # Numba's settings are global, and a driver is made once
 
 
@@ -94,6 +94,6 @@ def compile_source(name: str, lines: Sequence[str], namespace: dict[str, Any]) -
     (function,) = scope.values()
     function.__name__ = function.__qualname__ = name
     compiler: Any = njit
-    result: Any = compiler(**OPTIONS, pipeline_class=LinkedCompiler)(function)
+    result: Any = compiler(**COMMON, pipeline_class=LinkedCompiler)(function)
     result._cache = KernelCache(function)
     return result

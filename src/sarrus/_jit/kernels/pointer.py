@@ -16,6 +16,7 @@ from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
 from ..linking.compiler import LinkedCompiler
+from ..linking.link import COMMON
 from .driver import Signature
 
 Table = NDArray[np.int64]
@@ -37,13 +38,7 @@ class KernelTable(NamedTuple):
     tables: Table
 
 
-INNER: Any = {
-    "error_model": "numpy",
-    "_nrt": False,
-    "no_cpython_wrapper": True,
-    "no_cfunc_wrapper": True,
-    "pipeline_class": LinkedCompiler,
-}
+INNER: Any = COMMON | {"_nrt": False, "no_cpython_wrapper": True, "pipeline_class": LinkedCompiler}
 NONE = KernelTable(np.zeros(0, np.int64), np.zeros(1, np.int64), np.zeros(0, np.int64))
 
 

@@ -1,11 +1,14 @@
-"""Numba's compiler with two passes of ours: who counts references is checked, and code is made in linked libraries."""
+"""Numba's compiler with two passes of ours: who counts references is checked, and code is made in linked libraries.
+
+Passes whose results linked functions do not use are left out.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
-from numba.core.typed_passes import AnnotateTypes, NativeLowering
+from numba.core.typed_passes import AnnotateTypes, NativeLowering, NopythonRewrites
 
 from .economy import economy
 from .linked_library import LinkedLowering
@@ -24,6 +27,9 @@ class LinkedCompiler(CompilerBase):
         passes: Any = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.add_pass_after(CheckReturnedArrays, AnnotateTypes)
         passes.add_pass_after(LinkedLowering, NativeLowering)
-        passes.passes = [one for one in passes.passes if one[0] is not NativeLowering]
+        unused = [NativeLowering, AnnotateTypes]  # a listing of types, which nobody reads
+        if not self.state.flags.nrt:  # sums and products of arrays would make arrays
+            unused.append(NopythonRewrites)
+        passes.passes = [one for one in passes.passes if one[0] not in unused]
         passes.finalize()
         return [passes]

@@ -32,7 +32,7 @@ COMMON: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapp
 COMPILER = __package__.rpartition(".")[0]
 LIBRARIES = ("math", "cmath", "numpy")  # modules whose functions compiled code may call
 LINKING = threading.RLock()
-_entries: dict[Function, bool] = {}  # marked functions, and whether Python calls them
+_entries: dict[Function, bool] = {}  # marked functions, and whether they count references
 _linked: dict[str, Any] = {}  # compiled functions by name
 _links: dict[tuple[Function, bool], Any] = {}  # what `link` has returned
 
@@ -46,10 +46,10 @@ def compiled(function: F | None = None, *, entry: bool = False) -> F | Callable[
 
     Parameters
     ----------
-    entry : whether it is an entry for all that call it, as it makes arrays or returns them to entries. The others are
-        entries where Python calls them (`link`). Where compiled code calls them, they are compiled in half the time:
-        they count no references, and have no second entry for Python, to which long lists of arrays are costly. An
-        entry cannot call them if they return (parts of) arrays, nor can they call an entry that returns one.
+    entry : whether it counts references, as it makes arrays or returns them, and is an entry for all that call it. The
+        others are entries where Python calls them (`link`). Where compiled code calls them, they are compiled in half
+        the time: they have no second entry for Python, to which long lists of arrays are costly. An entry cannot call
+        them if they return (parts of) arrays, nor can they call an entry that returns one.
     """
 
     def mark(marked: F) -> F:
@@ -101,7 +101,7 @@ class _Linker:
         name = self.name(function, entry)
         if name not in _linked:
             scope = {key: self._value(value) for key, value in self._globals(function).items()}
-            _linked[name] = _compiled(function, name, scope, _options(entry))
+            _linked[name] = _compiled(function, name, scope, _options(function, entry))
         return _linked[name]
 
     def name(self, function: Function, entry: bool) -> str:
@@ -124,7 +124,7 @@ class _Linker:
             _code(function),
             getattr(function, "__defaults__", None),
             {key: self._token(function, key, value) for key, value in self._globals(function).items()},
-            _options(entry),
+            _options(function, entry),
         )
         self._open.pop()
         return f"{function.__name__}_{hashlib.sha256(repr(content).encode()).hexdigest()[:12]}"
@@ -217,9 +217,10 @@ def _content(code: types.CodeType, documentation: str | None = None) -> object:
     return code.co_code, constants, code.co_names, code.co_varnames, code.co_argcount, code.co_flags
 
 
-def _options(entry: bool) -> dict[str, Any]:
+def _options(function: Function, entry: bool) -> dict[str, Any]:
     """How a function is compiled."""
-    return COMMON if entry else COMMON | {"_nrt": False, "no_cpython_wrapper": True}
+    wrapper = {} if entry else {"no_cpython_wrapper": True}
+    return COMMON | wrapper | ({} if entry and _entries[function] else {"_nrt": False})
 
 
 def _compiled(function: Function, name: str, scope: dict[str, Any], options: dict[str, Any]) -> Any:

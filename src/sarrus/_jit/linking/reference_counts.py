@@ -1,8 +1,8 @@
 """Refuse calls between compiled functions that disagree on who counts the references to an array.
 
-A function that is compiled with reference counts releases the arrays that its callees return; one without counts never
-claims them. If the first calls the second, memory is freed that is still in use; if the second calls the first, memory
-is never freed.
+A function that is compiled with reference counts releases the arrays that its callees return, as Python does; one
+without counts never claims them. If the first calls the second, memory is freed that is still in use; if the second
+calls the first, memory is never freed.
 """
 
 from __future__ import annotations
@@ -23,12 +23,14 @@ class CheckReturnedArrays(AnalysisPass):
         AnalysisPass.__init__(self)
 
     def run_pass(self, state: Any) -> bool:
-        counted = bool(state.flags.nrt)
+        counted, name = bool(state.flags.nrt), state.func_id.func_name
+        if not counted and not state.flags.no_cpython_wrapper and _holds_arrays(state, state.return_type):
+            raise TypeError(_message("Python", name, True))
         for call, signature in state.calltypes.items():
             if getattr(call, "op", None) == "call":
                 callee = state.typemap[call.func.name]
                 if _counts(callee) not in (None, counted) and _holds_arrays(state, signature.return_type):
-                    raise TypeError(_message(state.func_id.func_name, callee.dispatcher.__name__, counted))
+                    raise TypeError(_message(name, callee.dispatcher.__name__, counted))
         return False
 
 

@@ -344,7 +344,7 @@ def energies(entries: Entries, b: Array, t: float, q: Array, v: Array, work: Wor
     energy[1] = total
 
 
-@compiled(entry=True)
+@compiled
 def energies_along(
     entries: Entries, b: Array, places: Array, states: Nodes, work: Work, energy: Array
 ) -> None:
@@ -418,7 +418,7 @@ def shortest(
     shorten(others, b, q, lam)
 
 
-@compiled(entry=True)
+@compiled
 def sample(
     motion: MotionSolver, b: Array, places: Array, nodes: Nodes, apart: bool, out: Samples, first: int, row: int,
     others: Omissions, known: Samples, points: Samples, point_of: Array, monitored: bool, rounds: int,

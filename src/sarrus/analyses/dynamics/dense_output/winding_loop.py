@@ -25,7 +25,7 @@ class Work(NamedTuple):
     before: Array
 
 
-@compiled(entry=True)
+@compiled
 def count(
     residual: KernelTable, velocity: KernelTable, b: Array, angles: Array, t: Array, q: Array, v: Array, last: Array,
     full_revolutions: Array, work: Work,

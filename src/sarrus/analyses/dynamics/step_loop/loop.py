@@ -37,7 +37,7 @@ ROUND_OFF = 2.0**-50  # of times, relative to the largest
 MANY = 6
 
 
-@compiled(entry=True)
+@compiled
 def guess(program: Program, h: float, ratio: float, continued: bool, state: State) -> None:
     """Coefficients, first guess of the unknowns, and all stages."""
     coefficients(program, h, ratio, state.r)

@@ -360,7 +360,7 @@ def copy(source: Array, out: Array) -> None:
             out[k, c] = source[k, c]
 
 
-@compiled(entry=True)
+@compiled
 def backward(
     layout: Layout, kernels: Kernels, b: Array, run: Run, timeline: Timeline, e: int, last: int, matrices: Matrices,
     block: Block, work: Work, bars: Array, given: NodeArrays, stored: Series, sources: Series,
@@ -484,7 +484,7 @@ def forward_panels(
     return True
 
 
-@compiled(entry=True)
+@compiled
 def forward(
     layout: Layout, kernels: Kernels, b: Array, run: Run, timeline: Timeline, e: int, columns: int,
     matrices: Matrices, block: Block, work: Work, state: Array, given: NodeArrays, weighed: Weighing, stored: Series,

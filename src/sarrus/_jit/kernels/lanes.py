@@ -23,20 +23,21 @@ def emitted(function: Callable[..., Any]) -> Any:
     return intrinsic(function)
 
 
-class LanesType(types.Type):
-    """One number in every lane."""
+class RegisterType(types.Type):
+    """Numbers of one register."""
 
-    def __init__(self) -> None:
-        super().__init__(name=f"lanes{LANES}")
-
-
-KIND = LanesType()
+    def __init__(self, name: str, vector: Vector) -> None:
+        super().__init__(name=name)
+        self.vector = vector
 
 
-@register_model(LanesType)
+@register_model(RegisterType)
 class _Model(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Any) -> None:
-        super().__init__(manager, kind, VECTOR.kind)  # type: ignore[no-untyped-call]
+        super().__init__(manager, kind, kind.vector.kind)  # type: ignore[no-untyped-call]
+
+
+KIND = RegisterType(f"lanes{LANES}", VECTOR)
 
 
 def _at(context: Any, builder: Any, signature: Any, args: Any, n: int, k: Any) -> Any:
@@ -45,13 +46,23 @@ def _at(context: Any, builder: Any, signature: Any, args: Any, n: int, k: Any) -
     return builder.gep(VECTOR.pointer(builder, data), [k])
 
 
-def _arithmetic(emit: Callable[..., Any]) -> Callable[..., Any]:
-    """Code for a function of lanes that gives lanes."""
+def arithmetic(emit: Callable[..., Any]) -> Callable[..., Any]:
+    """Code for a function of registers that gives one."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return emit(builder, *args)
 
     return codegen
+
+
+def plus(builder: Any, x: Any, a: Any, b: Any) -> Any:
+    """x plus the products of numbers in the same places."""
+    return builder.fadd(x, builder.fmul(a, b, flags=FUSED), flags=FUSED)
+
+
+def minus(builder: Any, x: Any, a: Any, b: Any) -> Any:
+    """x minus the products of numbers in the same places."""
+    return builder.fsub(x, builder.fmul(a, b, flags=FUSED), flags=FUSED)
 
 
 @emitted
@@ -78,35 +89,31 @@ def store(typingctx: Any, array: Any, k: Any, x: Any) -> Any:
 @emitted
 def fill(typingctx: Any, x: Any) -> Any:
     """A number in all lanes."""
-    return KIND(types.float64), _arithmetic(VECTOR.fill)
+    return KIND(types.float64), arithmetic(VECTOR.fill)
 
 
 @emitted
 def plus_product(typingctx: Any, x: Any, a: Any, b: Any) -> Any:
     """x + a b."""
-    return KIND(x, a, b), _arithmetic(
-        lambda builder, x, a, b: builder.fadd(x, builder.fmul(a, b, flags=FUSED), flags=FUSED)
-    )
+    return KIND(x, a, b), arithmetic(plus)
 
 
 @emitted
 def minus_product(typingctx: Any, x: Any, a: Any, b: Any) -> Any:
     """x - a b."""
-    return KIND(x, a, b), _arithmetic(
-        lambda builder, x, a, b: builder.fsub(x, builder.fmul(a, b, flags=FUSED), flags=FUSED)
-    )
+    return KIND(x, a, b), arithmetic(minus)
 
 
 @emitted
 def product(typingctx: Any, a: Any, b: Any) -> Any:
     """a b."""
-    return KIND(a, b), _arithmetic(lambda builder, a, b: builder.fmul(a, b))
+    return KIND(a, b), arithmetic(lambda builder, a, b: builder.fmul(a, b))
 
 
 @emitted
 def ratio(typingctx: Any, a: Any, b: Any) -> Any:
     """a / b."""
-    return KIND(a, b), _arithmetic(lambda builder, a, b: builder.fdiv(a, b))
+    return KIND(a, b), arithmetic(lambda builder, a, b: builder.fdiv(a, b))
 
 
 @emitted

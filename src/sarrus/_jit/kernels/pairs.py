@@ -12,34 +12,24 @@ from typing import Any
 
 from llvmlite import ir
 from numba import types
-from numba.extending import models, register_model
 
-from .lanes import FUSED, emitted
+from .lanes import FUSED, RegisterType, arithmetic, emitted, minus, plus
 from .vector import INT, Vector
 
 VECTOR = Vector(4)
+KIND = RegisterType("pair", VECTOR)
+SIGNS = ir.Constant(VECTOR.kind, [0.0, -1.0, 1.0, 0.0])
 
 
-class PairType(types.Type):
-    """A real number and a complex one."""
-
-    def __init__(self) -> None:
-        super().__init__(name="pair")
-
-
-KIND = PairType()
-
-
-@register_model(PairType)
-class _Model(models.PrimitiveModel):
-    def __init__(self, manager: Any, kind: Any) -> None:
-        super().__init__(manager, kind, VECTOR.kind)  # type: ignore[no-untyped-call]
-
-
-def _at(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-    """Pointer to the entry of an array that the first two arguments name."""
+def _at(context: Any, builder: Any, signature: Any, args: Any, size: int) -> Any:
+    """Pointer to the entry, of some numbers, of an array that the first two arguments name."""
     data = context.make_array(signature.args[0])(context, builder, args[0]).data
-    return builder.gep(VECTOR.pointer(builder, data), [args[1]])
+    return VECTOR.pointer(builder, builder.gep(data, [builder.mul(args[1], INT(size))]))
+
+
+def _loading(size: int) -> Any:
+    """Code for the entry, of some numbers, of an array."""
+    return lambda target, builder, kinds, args: VECTOR.load(builder, _at(target, builder, kinds, args, size))
 
 
 def _exchanged(builder: Any, x: Any) -> Any:
@@ -50,11 +40,13 @@ def _exchanged(builder: Any, x: Any) -> Any:
 @emitted
 def load_pair(typingctx: Any, array: Any, k: Any) -> Any:
     """Entry k of an array."""
+    return KIND(array, k), _loading(4)
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return VECTOR.load(builder, _at(context, builder, signature, args))
 
-    return KIND(array, k), codegen
+@emitted
+def load_triple(typingctx: Any, array: Any, k: Any) -> Any:
+    """Entry k of an array of three numbers each, with the number behind it in place of the zero."""
+    return KIND(array, k), _loading(3)
 
 
 @emitted
@@ -62,7 +54,7 @@ def store_pair(typingctx: Any, array: Any, k: Any, x: Any) -> Any:
     """Write entry k of an array."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        VECTOR.store(builder, args[2], _at(context, builder, signature, args))
+        VECTOR.store(builder, args[2], _at(context, builder, signature, args, 4))
         return context.get_dummy_value()
 
     return types.void(array, k, x), codegen
@@ -72,67 +64,71 @@ def store_pair(typingctx: Any, array: Any, k: Any, x: Any) -> Any:
 def pair(typingctx: Any, real: Any, re: Any, im: Any) -> Any:
     """A real number, and a complex one by its parts."""
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    def codegen(builder: Any, *parts: Any) -> Any:
         made = VECTOR.constant(0.0)
-        for place, value in enumerate(args):
+        for place, value in enumerate(parts):
             made = builder.insert_element(made, value, INT(place))
         return made
 
-    return KIND(types.float64, types.float64, types.float64), codegen
+    return KIND(types.float64, types.float64, types.float64), arithmetic(codegen)
 
 
 @emitted
 def straight(typingctx: Any, u: Any) -> Any:
     """The real number, and twice the real part."""
-
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return VECTOR.shuffle(builder, args[0], args[0], [0, 1, 1, 3])
-
-    return KIND(u), codegen
+    return KIND(u), arithmetic(lambda builder, u: VECTOR.shuffle(builder, u, u, [0, 1, 1, 3]))
 
 
 @emitted
 def crossed(typingctx: Any, u: Any) -> Any:
     """Zero, and the imaginary part with both signs."""
+    return KIND(u), arithmetic(lambda builder, u: builder.fmul(VECTOR.shuffle(builder, u, u, 4 * [2]), SIGNS))
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        imaginary = VECTOR.shuffle(builder, args[0], args[0], [2, 2, 2, 2])
-        return builder.fmul(imaginary, ir.Constant(VECTOR.kind, [0.0, -1.0, 1.0, 0.0]))
 
-    return KIND(u), codegen
+@emitted
+def exchanged(typingctx: Any, x: Any) -> Any:
+    """Real and imaginary part of the complex number exchanged."""
+    return KIND(x), arithmetic(_exchanged)
+
+
+@emitted
+def minus_parts(typingctx: Any, x: Any, a: Any, b: Any) -> Any:
+    """x minus the products of numbers in the same places."""
+    return KIND(x, a, b), arithmetic(minus)
+
+
+@emitted
+def plus_parts(typingctx: Any, x: Any, equal: Any, unequal: Any) -> Any:
+    """x plus a product of pairs, by the products of equal parts, and of the real with the imaginary one."""
+
+    def codegen(builder: Any, x: Any, equal: Any, unequal: Any) -> Any:
+        first, second = (VECTOR.shuffle(builder, equal, unequal, n) for n in ([0, 1, 5, 3], [3, 2, 6, 3]))
+        return builder.fadd(x, builder.fadd(first, builder.fmul(second, SIGNS)))
+
+    return KIND(x, equal, unequal), arithmetic(codegen)
 
 
 @emitted
 def minus_pair(typingctx: Any, x: Any, a: Any, along: Any, across: Any) -> Any:
     """x - a u, with the two parts of u."""
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        x, a, along, across = args
-        x = builder.fsub(x, builder.fmul(a, along, flags=FUSED), flags=FUSED)
-        return builder.fsub(x, builder.fmul(_exchanged(builder, a), across, flags=FUSED), flags=FUSED)
-
-    return KIND(x, a, along, across), codegen
+    return KIND(x, a, along, across), arithmetic(
+        lambda builder, x, a, u, v: minus(builder, minus(builder, x, a, u), _exchanged(builder, a), v)
+    )
 
 
 @emitted
 def pair_product(typingctx: Any, a: Any, along: Any, across: Any) -> Any:
     """a u, with the two parts of u."""
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        a, along, across = args
-        crosswise = builder.fmul(_exchanged(builder, a), across, flags=FUSED)
-        return builder.fadd(builder.fmul(a, along, flags=FUSED), crosswise, flags=FUSED)
-
-    return KIND(a, along, across), codegen
+    return KIND(a, along, across), arithmetic(
+        lambda builder, a, u, v: plus(builder, builder.fmul(a, u, flags=FUSED), _exchanged(builder, a), v)
+    )
 
 
 @emitted
 def plus_multiple(typingctx: Any, x: Any, weight: Any, number: Any) -> Any:
     """x plus a pair times a number."""
-
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        x, weight, number = args
-        multiple = builder.fmul(weight, VECTOR.fill(builder, number), flags=FUSED)
-        return builder.fadd(x, multiple, flags=FUSED)
-
-    return KIND(x, weight, types.float64), codegen
+    return KIND(x, weight, types.float64), arithmetic(
+        lambda builder, x, weight, number: plus(builder, x, weight, VECTOR.fill(builder, number))
+    )

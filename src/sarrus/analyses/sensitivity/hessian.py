@@ -35,7 +35,7 @@ from .responses.evaluation import Evaluation
 from .responses.undefined import refuse_undefined
 from .run_chain import BackSweep, RunChain, RunTangents
 from .steps.second_order import changes_along
-from .steps.sweep import PerOperation
+from .steps.sweep import PerOperation, unknowns_of
 
 Times: TypeAlias = Callable[[Array], Array]
 
@@ -77,7 +77,7 @@ class CurvedSteps:
     ) -> tuple[tuple[Array, Array, Array], AdjointVariables]:
         """Gradients by the first q and v and by the numbers, and what was solved for, with changes of the equations."""
         chain, sweep = self._chain, self._chain.sweep
-        back, solved = BackwardState(chain.by_curves.width, 1), sweep.unknowns()
+        back, solved = BackwardState(chain.by_curves.width, 1), unknowns_of(sweep.record, sweep.columns)
         curves, sources = chain.curves if self._curves else None, change.sources if change else None
         back.over(sweep, curves, nodes, 0, solved=solved, sources=sources)
         if change:

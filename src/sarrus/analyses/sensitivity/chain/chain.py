@@ -18,7 +18,7 @@ from ...position.assembly_derivatives import AssemblyDerivatives
 from ..lagrangians.changes import Change
 from ..steps.curves import Curves, by_curves
 from ..steps.record import ACCELERATIONS, Record
-from ..steps.sweep import PerOperation, Sweep
+from ..steps.sweep import PerOperation, Sweep, unknowns_of
 from ..steps.sweep_loop import NodeArrays
 from .start import Start
 
@@ -232,7 +232,7 @@ class BackwardState:
         self.sweep = sweep
         self.state = sweep.state() if self.state is None else self.state
         if curves and solved is None:
-            solved = sweep.unknowns()
+            solved = unknowns_of(sweep.record, sweep.columns)
         n, nq, k = given.q.shape
         stored = None if adjoints is None else np.zeros((n - 1, 2, 2 * nq, k))
         by_b = sweep.backward(self.state, given.after_start(), first, solved, sources, adjoints=stored)

@@ -15,7 +15,7 @@ from ....linalg.panel_loop import Pattern
 from ....linalg.row_order import by_rows, no_rows, rows_of, unsigned
 from ....system import System
 from ....system.cached import once_alike
-from ....system.curves.lanes import buffer, used
+from ....system.curves.lanes import aligned, buffer, used
 from ...dynamics.methods.equations import GROUPS
 from ...dynamics.methods.tables import DRIVERS, NOWHERE, Structure, Tables, tables_of
 from ...dynamics.stepping.entries import joined
@@ -142,7 +142,7 @@ class Blocks:
         sheet = max(int(max(cut[2], cut[3] - cut[2])) for cut in cuts)
         split = max((3 * len(own.split.pattern.indices) for own in factors if own and own.split), default=0)
         self.block = self.block._replace(
-            sheet=used(LANES * sheet), split=used(LANES * split), turned=used(int(starts[-1])),
+            sheet=aligned(LANES * sheet), split=used(LANES * split), turned=used(int(starts[-1])),
             starts=starts[:-1].astype(np.int64), strides=cuts[:, 3].copy(), cuts=cuts,
         )  # fmt: skip
 

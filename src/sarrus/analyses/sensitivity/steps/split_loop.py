@@ -10,6 +10,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...._jit.kernels.pairs import (
+    crossed,
+    exchanged,
+    load_pair,
+    load_triple,
+    minus_pair,
+    minus_parts,
+    pair,
+    pair_product,
+    plus_parts,
+    store_pair,
+    straight,
+)
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ....linalg.lanes_loop import assemble_pairs_lanes, factor_pairs_lanes
@@ -25,7 +38,6 @@ from ....linalg.panel_loop import (
 
 ONE: Any = np.uint64(1)
 TWO: Any = np.uint64(2)
-THREE: Any = np.uint64(3)
 LEFT = 1e-14  # relative error left in a column of a solution, by how much its corrections contract
 LEAST = 2  # corrections of a solution: the contraction is the ratio of two of them
 CORRECTIONS = 16  # most corrections of a solution; each has to be a sixth of the one before, or less
@@ -68,57 +80,56 @@ def factor_split(
 
 
 @compiled
-def lessen(rows: Array, factors: Array, x: Array, at: Any, first: Any, last: Any) -> None:
-    """Subtract from the entries of x at one row some factors times those at their rows; x as in `solve_factors`."""
-    a, b, c = x[at], x[at + ONE], x[at + TWO]
-    for k in range(first, last):
-        by, re, im = rows[k] * THREE, factors[k * THREE + ONE], factors[k * THREE + TWO]
-        a -= factors[k * THREE] * x[by]
-        b -= re * x[by + ONE] - im * x[by + TWO]
-        c -= re * x[by + TWO] + im * x[by + ONE]
-    x[at], x[at + ONE], x[at + TWO] = a, b, c
+def lessened(rows: Array, factors: Array, x: Array, own: Any, first: Any, last: Any) -> Any:
+    """A pair less some factors times the entries of x at their rows: two sums, which need not wait for each other."""
+    none = pair(0.0, 0.0, 0.0)
+    a, b, c, d, k = none, none, none, none, first
+    while k + ONE < last:
+        factor, entry = load_triple(factors, k), load_pair(x, rows[k])
+        a, b = minus_parts(a, factor, entry), minus_parts(b, factor, exchanged(entry))
+        factor, entry = load_triple(factors, k + ONE), load_pair(x, rows[k + ONE])
+        c, d = minus_parts(c, factor, entry), minus_parts(d, factor, exchanged(entry))
+        k = k + TWO
+    if k < last:
+        factor, entry = load_triple(factors, k), load_pair(x, rows[k])
+        a, b = minus_parts(a, factor, entry), minus_parts(b, factor, exchanged(entry))
+    return plus_parts(plus_parts(own, a, b), c, d)
 
 
 @compiled
-def subtract(rows: Array, factors: Array, x: Array, at: Any, first: Any, last: Any) -> None:
-    """Subtract some factors times the entries of x at one row from those at their rows."""
-    a, b, c = x[at], x[at + ONE], x[at + TWO]
+def subtract(rows: Array, factors: Array, x: Array, own: Any, first: Any, last: Any) -> None:
+    """Subtract some factors times a pair from the entries of x at their rows."""
+    along, across = straight(own), crossed(own)
     for k in range(first, last):
-        to, re, im = rows[k] * THREE, factors[k * THREE + ONE], factors[k * THREE + TWO]
-        x[to] -= factors[k * THREE] * a
-        x[to + ONE] -= re * b - im * c
-        x[to + TWO] -= re * c + im * b
-
-
-@compiled
-def divide(x: Array, at: Any, pivot: Any, factors: Array) -> None:
-    """Divide the entries of x at one row by the pivots, whose inverses are stored."""
-    b, c, re, im = x[at + ONE], x[at + TWO], factors[pivot * THREE + ONE], factors[pivot * THREE + TWO]
-    x[at] *= factors[pivot * THREE]
-    x[at + ONE], x[at + TWO] = b * re - c * im, b * im + c * re
+        store_pair(x, rows[k], minus_pair(load_pair(x, rows[k]), load_triple(factors, k), along, across))
 
 
 @compiled
 def solve_factors(pattern: Pattern, factors: Array, transposed: bool, x: Array) -> None:
     """Solve L U x = x or (L U)ᵀ x = x in place for both matrices.
 
-    x has of each row a real number, and the parts of a complex one.
+    x has a pair for each row, factors three numbers for each entry.
     """
     n: Any = np.uint64(len(pattern.diagonal))
     pointers, rows, diagonal = pattern.pointers, pattern.rows, pattern.diagonal
     for j in range(n):
+        own = load_pair(x, j)
         if transposed:
-            lessen(rows, factors, x, j * THREE, pointers[j], diagonal[j])
-            divide(x, j * THREE, diagonal[j], factors)
+            own = lessened(rows, factors, x, own, pointers[j], diagonal[j])
+            inverse = load_triple(factors, diagonal[j])
+            store_pair(x, j, pair_product(own, straight(inverse), crossed(inverse)))
         else:
-            subtract(rows, factors, x, j * THREE, diagonal[j] + ONE, pointers[j + ONE])
+            subtract(rows, factors, x, own, diagonal[j] + ONE, pointers[j + ONE])
     for back in range(n):
         j = n - ONE - back
+        own = load_pair(x, j)
         if transposed:
-            lessen(rows, factors, x, j * THREE, diagonal[j] + ONE, pointers[j + ONE])
+            store_pair(x, j, lessened(rows, factors, x, own, diagonal[j] + ONE, pointers[j + ONE]))
         else:
-            divide(x, j * THREE, diagonal[j], factors)
-            subtract(rows, factors, x, j * THREE, pointers[j], diagonal[j])
+            inverse = load_triple(factors, diagonal[j])
+            own = pair_product(own, straight(inverse), crossed(inverse))
+            store_pair(x, j, own)
+            subtract(rows, factors, x, own, pointers[j], diagonal[j])
 
 
 @compiled
@@ -133,10 +144,11 @@ def precondition(
             j = way.source[k]
             r0, r1, r2 = right[j, c], right[n + j, c], right[2 * n + j, c]
             for i in range(3):
-                x[3 * k + i] = way.enter[i, 0] * r0 + way.enter[i, 1] * r1 + way.enter[i, 2] * r2
+                x[4 * k + i] = way.enter[i, 0] * r0 + way.enter[i, 1] * r1 + way.enter[i, 2] * r2
+            x[4 * k + 3] = 0.0
         solve_factors(split.pattern, factors, transposed, x)
         for k in range(n):
-            j, w0, w1, w2 = way.target[k], x[3 * k], x[3 * k + 1], x[3 * k + 2]
+            j, w0, w1, w2 = way.target[k], x[4 * k], x[4 * k + 1], x[4 * k + 2]
             for i in range(3):
                 solution[i * n + j, c] = way.leave[i, 0] * w0 + way.leave[i, 1] * w1 + way.leave[i, 2] * w2
 
@@ -173,9 +185,9 @@ def solve_split(
     compared with the solution itself.
 
     `matrix` is the exact one, in the order of the unknowns, with the factors of the others. Several columns are solved
-    for with the transpose only. `changes` is a buffer (k,).
+    for with the transpose only. `changes` is a buffer (k,), as are `buffers`, the first one of pairs.
     """
-    scratch, rest, change = buffers[0], buffers[1], buffers[2]
+    scratch, rest, change = buffers[0], buffers[1][: len(right)], buffers[2][: len(right)]
     solution[:] = 0.0
     least = LEAST if left <= LEFT else LEAST - 1
     for n in range(CORRECTIONS + 1):

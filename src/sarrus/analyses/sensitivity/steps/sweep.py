@@ -94,7 +94,7 @@ class Sweep:
         layout, width = self._blocks.layout, self._blocks.width
         n, stages = int(layout.n.max()), int(layout.stages.max())
         left = np.full(1, self.record.left)
-        vectors = [aligned(n, width), aligned(n, width), aligned(3, n, width), np.zeros(width)]
+        vectors = [aligned(n, width), aligned(n, width), aligned(3, n + -(-n // 3), width), np.zeros(width)]
         maps = maps_of(self.record.system, self._blocks.structures, width, forward)
         return loop.Work._make(
             [*vectors, aligned(stages * width), maps, np.zeros(1), left, np.zeros(1, np.int64)]
@@ -111,10 +111,6 @@ class Sweep:
         """A block of the state."""
         first, system = self.rows[name], self.record.system
         return state[first : first + (system.m if name == "lam" else system.nq)]
-
-    def unknowns(self) -> PerOperation:
-        """Buffers for the adjoint variables of all operations."""
-        return unknowns_of(self.record, self.columns)
 
     def backward(
         self,

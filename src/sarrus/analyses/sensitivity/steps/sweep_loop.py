@@ -80,7 +80,7 @@ class Work(NamedTuple):
     """Vectors of the unknowns (n, width), and of the stages' quantities.
 
     width : of all columns backwards, of a panel forwards
-    buffers : of three vectors of the unknowns, to solve with
+    buffers : of three vectors of the unknowns, as long as pairs of a stage need, to solve with
     changes : of the columns by a correction of a solution (width,)
     stages : (entries * width)
     maps : for vectors of this width, see `maps`
@@ -308,10 +308,10 @@ def backward_operation(
         spread_transposed(row(layout.by_unknowns, op).values, coefficients[run.unknowns[op] :], moved, flat)
     numbers = numbers_of(block, op, lane).values
     own = lane_of(matrices, block, op, numbers)
-    buffers = work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]
     if matrices.split_operation == op:
-        error = solve_split(matrices.split, own, True, right, mu, buffers, work.changes, work.left[0])
+        error = solve_split(matrices.split, own, True, right, mu, work.buffers, work.changes, work.left[0])
     else:
+        buffers = work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]
         error = solve_lane_transposed(own, block.refined[op], block.growth[op, lane], right, mu, buffers)
     if not error <= work.trusted[0]:
         return False
@@ -449,7 +449,7 @@ def forward_operation(
     buffers, growth = (work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]), block.growth[op, lane]
     if matrices.split_operation == op:
         error = solve_split(
-            matrices.split, matrix, False, right, solution, buffers, work.changes, work.left[0]
+            matrices.split, matrix, False, right, solution, work.buffers, work.changes, work.left[0]
         )
     else:
         error = solve_lane(matrix, upper, whole, refined, growth, lane > 0, right, solution, buffers)

@@ -51,7 +51,7 @@ class Car(Build):
         """A Magic Formula tyre with its spin, on a flat road."""
         kind: Any = tyre_element(SpinningTyre, MagicFormula61, tuple(coefficients), "flat")
         numbers = [np.array(value) if isinstance(value, list) else value for value in values]
-        tyre, rotor = kind(*numbers, *coefficients.values(), inertia), Rotor(inertia, numbers[1])
+        tyre, rotor = kind(*numbers, inertia, *coefficients.values()), Rotor(inertia, numbers[1])
         first = 7 * len(self.places) + 3 * self.tyres
         own = slice(first, first + 3)
         self.tyres += 1

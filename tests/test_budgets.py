@@ -50,7 +50,7 @@ BUDGETS = {
     "results": Size(2515, 38, 12, 0),
     "studies": Size(1799, 15, 12, 0),
     "system": Size(1949, 24, 24, 1),
-    "vehicles": Size(1844, 17, 18, 0),
+    "vehicles": Size(1847, 17, 18, 0),
     "views": Size(3078, 37, 47, 0),
 }
 

@@ -31,7 +31,14 @@ CURVES: dict[str, tuple[float, float]] = {
 }
 TMEASY: dict[str, Any] = {f"{name}_{axis}": pair for name, pair in CURVES.items() for axis in "xy"}
 TMEASY |= {"nominal_load": 3.0}
-LIGHT = {"FNOMIN": 5.0, "FZMAX": 20.0, "VERTICAL_STIFFNESS": 30.0, "VERTICAL_DAMPING": 0.1, "Q_FZ2": 0.2}
+LIGHT = {
+    "FNOMIN": 5.0,
+    "FZMIN": 0.0,
+    "FZMAX": 20.0,
+    "VERTICAL_STIFFNESS": 30.0,
+    "VERTICAL_DAMPING": 0.1,
+    "Q_FZ2": 0.2,
+}
 LIGHT |= {"LONGITUDINAL_STIFFNESS": 200.0, "LATERAL_STIFFNESS": 90.0}
 COEFFICIENTS = {**sr.load_tyre("passenger_car").coefficients, **LIGHT}
 POINT = "body_3(0.1, 0.2, 0.3)"

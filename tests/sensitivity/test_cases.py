@@ -68,11 +68,11 @@ REACHED = {
     "oscillator": (6e-4, 3e-8),
     "pendulum": (4e-4, 1e-8),
     "double_pendulum": (2e-4, 1e-8),
-    "four_bar": (2e-3, 5e-8),
+    "four_bar": (2e-3, 6e-8),
     "five_bar": (2e-5, 3e-9),
     "spatial_slider_crank": (2e-4, 2e-8),
     "free_top": (4e-4, 3e-8),
-    "heavy_top": (5e-4, 3e-8),
+    "heavy_top": (5e-4, 5e-8),
 }
 
 

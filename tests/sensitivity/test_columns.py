@@ -101,7 +101,7 @@ def test_they_do_over_events(method: sr.HHT | sr.Radau) -> None:
     assert len(run.steps.event_steps) > 1
     (chain, every), bars = moved(run, MANY), random_nodes(run, 2)
     wanted = bars.inner(chain.along(*every))
-    assert abs(chain.weighed(bars, *every) - wanted).max() < 1e-11 * abs(wanted).max()
+    assert abs(chain.weighed(bars, *every) - wanted).max() < 1e-10 * abs(wanted).max()
 
 
 @pytest.mark.slow

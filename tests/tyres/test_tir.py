@@ -54,6 +54,7 @@ def test_units_are_those_of_the_file(tmp_path: Path) -> None:
         "PRESSURE": "'bar'",
         "UNLOADED_RADIUS": "317",
         "FNOMIN": "4.5",
+        "FZMIN": "0.1",
         "FZMAX": "11",
         "LONGVL": "16700",
         "VERTICAL_STIFFNESS": "0.21",
@@ -126,6 +127,16 @@ def test_the_command_warns_of_a_load_beyond_the_range_of_the_file(capsys: pytest
     assert "beyond" not in capsys.readouterr().err
 
 
+def test_the_command_shows_the_relaxation_that_is_used(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = re.sub(r"(LATERAL_STIFF|LONGITUDINAL_STIFF|QSY).*\n", "", TEXT)
+    assert main(["tyre", str(written(tmp_path, text))]) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"longitudinal relaxation length +0.02 m\n +lateral relaxation length +0.02 m", shown)
+    assert re.search(r"rolling resistance moment +0 N m", shown)
+
+
 def test_diagrams_of_files_tyres_and_loads() -> None:
     tyre = sr.load_tyre("passenger_car")
     assert sr.views.tyre_figure(tyre).axes[0].get_legend().get_texts()[1].get_text() == "4.5 kN"
@@ -151,6 +162,15 @@ def test_pac2002_is_the_formula_5_2(tmp_path: Path) -> None:
 
 
 WRONG = {
+    "millimetres": (
+        replaced("UNLOADED_RADIUS", "317"),
+        ": UNLOADED_RADIUS is 317 m. Is the unit of the file mm? Give [UNITS] LENGTH.",
+    ),
+    "no loads": (replaced("FZMAX", "50"), ": FZMIN must be below FZMAX, 50 N. Correct it."),
+    "another format": (
+        re.sub(r"FITTYP .*", "PROPERTY_FILE_FORMAT = 'PAC89'", TEXT),
+        "car.tir: PAC89 is not supported. Give a file of PAC2002, or of Magic Formula 5.2 to 6.2.",
+    ),
     "no version": (
         re.sub(r"FITTYP.*\n", "", TEXT),
         "car.tir: FITTYP is missing, the version of the formulas. Add",
@@ -244,6 +264,10 @@ def test_a_missing_file_is_refused() -> None:
 
 
 NOTED = {
+    "a nominal load out of range": (
+        replaced("FZMAX", "4000"),
+        "FNOMIN, 4500 N, is not between FZMIN and FZMAX. Correct them",
+    ),
     "the belt": (TEXT + "Q_FCX = 0.4\nQ_FCY = 0\n", "Q_FCX not used: the belt and further effects"),
     "no combined slip": (re.sub(r"RC[XY]1.*\n", "", TEXT), "there are no RCX1 and RCY1"),
     "a curve of the load": (

@@ -57,6 +57,18 @@ def test_bounds_are_kept() -> None:
     assert found.tyre.coefficients["PDY1"] == pytest.approx(1.0, abs=1e-6)
 
 
+def test_forces_of_the_other_sign_have_a_warning() -> None:
+    with pytest.warns(sr.SarrusWarning, match="F_y of measured has the opposite sign: ISO has"):
+        start().fit(MEASURED | {"F_y": -MEASURED["F_y"]}, ["PDY1"])
+
+
+def test_errors_of_forces_name_their_own_argument() -> None:
+    for wrong in ({"alpha": [4.0]}, {"alpha": ["5 deg"]}, {"Fy": [1.0]}, {"alpha": [np.nan]}):
+        with pytest.raises(sr.ModelError, match="slips") as error:
+            TRUE.forces({"load": [4e3]} | wrong)
+        assert "measured" not in str(error.value)
+
+
 def test_rows_outside_of_the_ranges_of_the_tyre_are_counted() -> None:
     """At the ends of the ranges there is no message; without limits in the file those of the Magic Formula count."""
     narrow = {"ALPMIN": ALPHA[2], "ALPMAX": ALPHA[28], "FZMAX": 5000.0}
@@ -66,7 +78,7 @@ def test_rows_outside_of_the_ranges_of_the_tyre_are_counted() -> None:
     messages = [str(one.message) for one in caught]
     assert [message.partition(",")[0] for message in messages] == [
         "measured: 8 of 62 rows have alpha outside of -0.151262 to 0.151262",
-        "measured: 31 of 62 rows have load outside of -4500 to 5000",
+        "measured: 31 of 62 rows have load outside of 100 to 5000",
     ]
     assert messages[0].endswith("Remove these rows, or change ALPMIN and ALPMAX.")
 

@@ -297,6 +297,15 @@ def test_the_car_brakes_with_the_friction_of_its_tyres(car: sr.System) -> None:
     assert not result.run.warnings
 
 
+def test_a_vehicle_that_stands_on_two_wheels_is_refused() -> None:
+    """Tyres that hang over the road at first: the search finds the car on its side."""
+    tyres = [f"tyre_{end}_{side}" for end in ("front", "rear") for side in ("left", "right")]
+    small = {f"{tyre}.coefficients.UNLOADED_RADIUS": 0.3 for tyre in tyres}
+    car = sr.System(sr.load("car").with_parameters(small))
+    with pytest.raises(sr.SarrusError, match=r"tyre_front_\w+, tyre_rear_\w+ do not touch the road"):
+        sr.rolling_start(car, 20.0)
+
+
 def test_a_vehicle_without_rolling_tyres_is_refused() -> None:
     ball = sr.System(sr.Model("ball", [sr.Body("ball", 1, (1, 1, 1))]))
     with pytest.raises(sr.SarrusError, match="no rolling tyres"):

@@ -11,6 +11,7 @@ from tests.vehicles.published import RADIUS, V23, corner, metres, model
 from tests.vehicles.test_rig import axle, sided
 
 import sarrus as sr
+from sarrus import mechanisms
 from sarrus.cli import main
 
 RACK = {"steering": "rack", "steps": 1, "forward": "-x"}
@@ -66,12 +67,12 @@ ARGUMENTS = {
     "bump must have 2 numbers, but has 0": {"bump": ()},
     "bump must have 2 numbers, but has 1": {"bump": (0.05,)},
     "bump must be a list of numbers": {"bump": 0.05},
-    'bump must be a number, but is "-50 mm"': {"bump": ("-50 mm", "50 mm")},
+    "bump must be in m": {"bump": ("-50 N", "50 mm")},
     "there is no sweep. Give limits": {"bump": None},
     "vehicle must be a vehicle": {"vehicle": {}},
     "fixed must be a list of names": {"fixed": "knuckle"},
     "right must be a corner": {"right": "knuckle"},
-    "radius must be a number": {"right": wheel(radius="0.3")},
+    "radius must be in m": {"right": wheel(radius="0.3 kg")},
     "radius must be a finite number": {"right": wheel(radius=float("inf"))},
     "kingpin must be two points": {"right": wheel(kingpin=5)},
     "bump: 50 m is more than the diameter of a wheel, 0.5588 m": {"bump": (-50, 50)},
@@ -84,6 +85,67 @@ ARGUMENTS = {
 @pytest.mark.parametrize("message", ARGUMENTS)
 def test_wrong_arguments(message: str) -> None:
     refusal(message, lambda: sr.suspension(system(), **{"right": wheel(), **RACK, **ARGUMENTS[message]}))
+
+
+def test_lengths_and_angles_as_texts() -> None:
+    """Of a radius and of all sweeps; a shaft steers by an angle."""
+    found = sr.suspension(
+        system(), right=wheel(radius="279.4 mm"), bump=("-30 mm", "3 cm"), steer=("-5 mm", 0.01), **RACK
+    )
+    assert found.x() == pytest.approx([-0.03, 0.0, 0.03], abs=1e-15)
+    assert found.x("steer") == pytest.approx([-0.005, 0.0, 0.01], abs=1e-15)
+    assert found.at("scrub_radius") == pytest.approx(plain().at("scrub_radius"), rel=1e-12)
+    rolled = sr.suspension(
+        axle(), sided("left"), sided("right"), steering="rack", steps=1, bump=None, roll=("-20 mm", "20 mm")
+    )
+    assert rolled.x("roll") == pytest.approx([-0.02, 0.0, 0.02], abs=1e-15)
+    refusal("steer must be in m", lambda: sr.suspension(system(), right=wheel(), steer=("-5 deg", 0), **RACK))
+
+
+def wishbones() -> sr.Model:
+    return sr.load(mechanisms.path("double_wishbone"))
+
+
+LINKED = sr.Corner("knuckle", "wheel", "spindle", 0.3, kingpin=("lower_ball", "upper_ball"), spring="spring")
+
+
+def test_parts_with_the_names_of_points_of_the_rig() -> None:
+    """All parts that the rig adds have names of their own, also in the analysis of compliance."""
+    words = ["centre", "spindle", "lower", "upper", "pad", "load", "moment", "on_road", "on_hub", "aligning"]
+    model = wishbones()
+    at = model.bodies[0].point(0, 0, 0)
+    named = [f"{word}_{side}" for word in (*words, "x", "y", "Fx", "steer") for side in ("left", "right")]
+    marked = [sr.PointForce(name, at, (0.0, 0.0, 0.0)) for name in (*named, "steering_of_rig")]
+    both = (
+        sr.suspension(sr.System(one), LINKED, LINKED, steering="rack", steps=1)
+        for one in (model, replace(model, forces=[*model.forces, *marked]))
+    )
+    expected, found = both
+    assert found["toe"] == pytest.approx(expected["toe"], abs=1e-12)
+    soft, known = found.compliance(), expected.compliance()
+    assert soft["lateral_force_steer"] == pytest.approx(known["lateral_force_steer"], rel=1e-9)
+
+
+def test_hardpoints_on_both_sides() -> None:
+    """The joint is at the given point of the left side, and its image is on the right."""
+    y = float(wishbones().hardpoints["lower_ball"][1])
+    wrong = sr.System(wishbones().with_parameters({"lower_ball.y": -y}))
+    for side in ("left", "right"):
+        refusal(
+            f'{side}: its hardpoints are on both sides of y = 0: "wheel" at',
+            lambda side=side: sr.suspension(wrong, **{side: LINKED}, steering="rack", steps=1),
+        )
+
+
+def test_one_wheel_of_two() -> None:
+    """The carrier of the other side is free: the message names it, and to fix it is sufficient."""
+    one = sr.System(wishbones())
+    refusal(
+        'that stand still with fixed=["knuckle_right"], the joint',
+        lambda: sr.suspension(one, left=LINKED, steering="rack", steps=1),
+    )
+    found = sr.suspension(one, left=LINKED, steering="rack", steps=1, fixed=["knuckle_right"])
+    assert found.success
 
 
 def test_displacements_that_are_no_numbers() -> None:
@@ -162,6 +224,11 @@ def test_forces_that_use_tyres() -> None:
         "The rig has no tyres, drivelines of wheels and controllers (tyre)",
         lambda: sr.suspension(rolling, right=wheel(), **RACK),
     )
+    taken = sr.PointForce("rig_centre_right", body.point(0, 0, 0), (0.0, 0.0, 0.0))
+    other = sr.System(replace(whole, forces=[*whole.forces, tyre, taken]))
+    with pytest.raises(sr.SarrusError, match=r"rig_centre_right.* is taken") as caught:
+        sr.suspension(other, right=wheel(), **RACK)
+    assert "The rig has no tyres" not in str(caught.value)
 
 
 FILE = """

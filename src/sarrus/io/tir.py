@@ -46,7 +46,7 @@ SYMBOLS = {
 }
 DIMENSIONS: dict[str, dict[str, int]] = {  # of the numbers that have one, powers of the units of a file
     **{key: {"LENGTH": 1} for key in ("UNLOADED_RADIUS", "WIDTH")},
-    **{key: {"FORCE": 1} for key in ("FNOMIN", "FZMAX")},
+    **{key: {"FORCE": 1} for key in ("FNOMIN", "FZMIN", "FZMAX")},
     **{key: {"PRESSURE": 1} for key in ("NOMPRES", "INFLPRES")},
     **{key: {"ANGLE": 1} for key in ("ALPMIN", "ALPMAX", "CAMMIN", "CAMMAX")},
     **{f"{word}_STIFFNESS": {"FORCE": 1, "LENGTH": -1} for word in ("VERTICAL", "LONGITUDINAL", "LATERAL")},
@@ -126,7 +126,7 @@ class TyreFile:
     def forces(self, slips: Mapping[str, Any]) -> dict[str, Array]:
         """Return F_x, F_y [N], M_x, M_y and M_z [N m] at slips, columns by name as in `fit`."""
         law = self.law()
-        values, _ = sampled(law, columns(slips, law)[0])
+        values, _ = sampled(law, columns(slips, law, "slips")[0])
         return dict(zip(Wrench._fields, values, strict=True))
 
     def fit(
@@ -215,7 +215,7 @@ def load_tyre(path: str | os.PathLike[str]) -> TyreFile:
         checked(coefficients, "the file")
     except ModelError as error:
         raise _placed(error, entries, str(path)) from None
-    notes = _notes(text, unused, coefficients)
+    notes = tuple(_notes(text, unused, coefficients))
     for note in notes:
         warnings.warn(f"{file.name}: {note}", SarrusWarning, stacklevel=2)
     side = entries["TYRESIDE"].text.lower() if "TYRESIDE" in entries else ""
@@ -276,11 +276,8 @@ def _coefficients(entries: Mapping[str, Entry], path: str) -> tuple[dict[str, fl
     found, unused = dict[str, float](), list[str]()
     for key, entry in entries.items():
         if key in KNOWN:
-            factors = [
-                UnitFactor(units[kind], power)
-                for kind, power in DIMENSIONS.get(key, {}).items()
-                if units[kind]
-            ]
+            powers = DIMENSIONS.get(key, {}).items()
+            factors = [UnitFactor(units[kind], power) for kind, power in powers if units[kind]]
             found[key], _ = in_si(_number(key, entry, path), factors)
         elif _counts(key, entry):
             unused.append(key)
@@ -291,6 +288,8 @@ def _coefficients(entries: Mapping[str, Entry], path: str) -> tuple[dict[str, fl
         found["FITTYP"] = 6.0
     if "FITTYP" not in found:
         message = "FITTYP is missing, the version of the formulas. Add it to [MODEL], such as FITTYP = 61."
+        if program:
+            message = f"{program} is not supported. Give a file of PAC2002, or of Magic Formula 5.2 to 6.2."
         raise ModelError(message, where=path)
     return found, unused
 
@@ -341,16 +340,16 @@ def _negative(coefficients: Mapping[str, float]) -> Iterator[str]:
             yield f"{what} has the wrong sign from {wrong[0]:.4g} N to {wrong[-1]:.4g} N. Give a smaller FZMAX"
 
 
-def _notes(text: str, unused: list[str], coefficients: Mapping[str, float]) -> tuple[str, ...]:
-    notes = []
+def _notes(text: str, unused: list[str], coefficients: Mapping[str, float]) -> Iterator[str]:
     if unused:
-        notes.append(f"{listed(unused)} not used: the belt and further effects are left out")
+        yield f"{listed(unused)} not used: the belt and further effects are left out"
     if "[DEFLECTION_LOAD_CURVE]" in text.upper():
-        notes.append("DEFLECTION_LOAD_CURVE is not used: the load is that of VERTICAL_STIFFNESS")
+        yield "DEFLECTION_LOAD_CURVE is not used: the load is that of VERTICAL_STIFFNESS"
     if not coefficients.get("RCX1") and not coefficients.get("RCY1"):
-        notes.append("there are no RCX1 and RCY1: forces in combined slip are on an ellipse")
-    notes += [
-        f"there is no {word} relaxation length, so it is shortest_relaxation of the tyre"
-        for word in without_relaxation(coefficients)
-    ]
-    return (*notes, *_negative(coefficients))
+        yield "there are no RCX1 and RCY1: forces in combined slip are on an ellipse"
+    for word in without_relaxation(coefficients):
+        yield f"there is no {word} relaxation length, so it is shortest_relaxation of the tyre"
+    least, load, most = (coefficients.get(name, 0.0) for name in ("FZMIN", "FNOMIN", "FZMAX"))
+    if not least <= load <= (most or load):
+        yield f"FNOMIN, {load:g} N, is not between FZMIN and FZMAX. Correct them: beyond FZMAX forces are constant"
+    yield from _negative(coefficients)

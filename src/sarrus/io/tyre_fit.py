@@ -85,14 +85,14 @@ def fitted(
     from scipy.stats import t
 
     law, names = tyre.law(), (wrt,) if isinstance(wrt, str) else tuple(wrt)
-    slip, forces = columns(measured, law)
+    slip, forces = columns(measured, law, "measured")
     if not names:
         raise ModelError("wrt is empty. Name the coefficients to estimate, such as wrt=['PDY1'].")
     if repeated := [name for name in names if names.count(name) > 1]:
         raise ModelError(f"wrt has {quote(repeated[0])} more than once. Name each coefficient once.")
     if not forces:
         raise ModelError("measured needs at least one of the columns F_x, F_y, M_x, M_y and M_z.")
-    announce(_outside(measured, law))
+    announce(_doubts(tyre, measured, law))
     _check(law, names, forces, bounds, sigma)
     rows, data = [Wrench._fields.index(name) for name in forces], np.array([*forces.values()])
     largest = dict(zip(forces, abs(data).max(axis=1).tolist(), strict=True))
@@ -118,7 +118,7 @@ def fitted(
     return TyreFit(best, names, inverse * spread, residuals, float(t.ppf(0.975, spare)))
 
 
-def columns(measured: Any, law: Any) -> tuple[Slip, dict[str, Array]]:
+def columns(measured: Any, law: Any, field: str) -> tuple[Slip, dict[str, Array]]:
     """The slips, and forces and moments by name.
 
     Raises
@@ -126,47 +126,48 @@ def columns(measured: Any, law: Any) -> tuple[Slip, dict[str, Array]]:
     ModelError
         If columns are missing, unknown, of other lengths or not finite, or have values without sense.
     """
-    found = {str(name): _column(str(name), measured[name]) for name in measured}
+    found = {str(name): _column(str(name), measured[name], field) for name in measured}
     allowed = (*SLIPS, *Wrench._fields)
     for name, column in found.items():
         if name not in allowed:
-            raise ModelError(f"measured has the unknown column {quote(name)}. {suggest(name, allowed)}")
+            raise ModelError(f"{field} has the unknown column {quote(name)}. {suggest(name, allowed)}")
         if not np.isfinite(column).all():
-            raise ModelError(f"measured has values in {quote(name)} that are not finite. Remove these rows.")
+            raise ModelError(f"{field} has values in {quote(name)} that are not finite. Remove these rows.")
     for name, (has_sense, remedy) in SENSE.items():
         wrong = np.flatnonzero(~has_sense(found.get(name, np.ones(1))))
         if len(wrong):
             value = found[name].flat[wrong[0]]
-            raise ModelError(f"{name} in row {wrong[0]} of measured is {value:g}. {remedy}")
+            raise ModelError(f"{name} in row {wrong[0]} of {field} is {value:g}. {remedy}")
     if "load" not in found:
-        raise ModelError("measured needs the column load.")
+        raise ModelError(f"{field} needs the column load.")
     if len({column.shape for column in found.values()}) > 1 or found["load"].ndim != 1:
-        raise ModelError("measured: its columns must be lists of the same length. Give each its values.")
+        raise ModelError(f"{field}: its columns must be lists of the same length. Give each its values.")
     zero = np.zeros_like(found["load"])
-    slip = Slip(
-        found.get("kappa", zero),
-        np.tan(found.get("alpha", zero)),
-        found.get("gamma", zero),
-        found["load"],
-        found.get("speed", zero + float(law.LONGVL)),
-    )
+    kappa, alpha, gamma = (found.get(name, zero) for name in ("kappa", "alpha", "gamma"))
+    slip = Slip(kappa, np.tan(alpha), gamma, found["load"], found.get("speed", zero + float(law.LONGVL)))
     return slip, {name: found[name] for name in Wrench._fields if name in found}
 
 
-def _outside(measured: Any, law: Any) -> Iterator[str]:
-    """Yield a message for each range of the tyre that measurements leave."""
-    for name, limits in law.ranges().items():
+def _doubts(tyre: TyreFile, measured: Any, law: Any) -> Iterator[str]:
+    """Yield a message for each range of the tyre that measurements leave, and for forces against those of the tyre."""
+    ranges, start = law.ranges(), tyre.forces(measured)
+    least = tyre.coefficients.get("FZMIN", 0.0)
+    ranges["load"] = ranges["load"]._replace(low=least, coefficients="FZMIN and FZMAX")
+    for name, limits in ranges.items():
         column = np.asarray(measured.get(name, 0.0), dtype=float)
         if count := np.count_nonzero((column < limits.low) | (column > limits.high)):
             what = f"measured: {count} of {column.size} rows have {name} outside of {limits.low:g} to {limits.high:g}"
-            yield f"{what}, where the forces are constant. Remove these rows, or change {limits.coefficients}."
+            yield f"{what}, the range of the tyre. Remove these rows, or change {limits.coefficients}."
+    for name in ("F_x", "F_y"):
+        if np.sum(np.asarray(measured.get(name, 0.0), dtype=float) * start[name]) < 0.0:
+            yield f"{name} of measured has the opposite sign: ISO has F_x > 0 for κ > 0, F_y < 0 for α > 0. Change it."
 
 
-def _column(name: str, values: Any) -> Array:
+def _column(name: str, values: Any, field: str) -> Array:
     try:
         return np.asarray(values, dtype=float)
     except (TypeError, ValueError):
-        raise ModelError(f"measured must have numbers in {quote(name)}. Remove texts.") from None
+        raise ModelError(f"{field} must have numbers in {quote(name)}. Remove texts.") from None
 
 
 def _check(

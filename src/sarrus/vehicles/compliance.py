@@ -21,8 +21,8 @@ from ..outputs import Outputs
 from ..results import Equilibrium, Gradient, StateSpace
 from ..results.result import Result
 from ..system import System
-from .corner import PlacedCorner, Side, given_side
-from .rig import PAD, Rig
+from .corner import PlacedCorner, Side, given_side, of_rig
+from .rig import Rig
 from .wheel import Vehicle, contact_point, missing, refuse_missing, unit
 
 LOADS = {"Fx": "N", "Fy": "N", "Fz": "N", "Mz": "N m", "Fx_hub": "N"}  # Fx, Fy at the contact point
@@ -92,15 +92,15 @@ class Entries:
             self.names.append(name)
         return np.nan if self.values is None else self.values[name]
 
+    def _entry(self, output: str, side: Side, load: str, loaded: Side) -> Any:
+        return self._value(f"real[{of_rig(output, side)}, {of_rig(load, loaded)}, 0]")
+
     def __call__(self, output: str, load: str, opposed: bool = False) -> Any:
         """The displacement by a load."""
         if not opposed:
-            return sum(self._value(f"real[{output}_{self.side}, {load}_{other}, 0]") for other in self.sides)
+            return sum(self._entry(output, self.side, load, other) for other in self.sides)
         signs = {side: 1.0 if side == self.side else -1.0 for side in self.sides}
-        pairs = [(a, b) for a in signs for b in signs]
-        return 0.5 * sum(
-            signs[a] * signs[b] * self._value(f"real[{output}_{a}, {load}_{b}, 0]") for a, b in pairs
-        )
+        return 0.5 * sum(signs[a] * signs[b] * self._entry(output, a, load, b) for a in signs for b in signs)
 
     def toe(self, load: str) -> Any:
         """The toe-in by a load."""
@@ -108,7 +108,7 @@ class Entries:
 
     def track(self) -> Any:
         """The lateral distance of the wheel centres. [m]"""
-        return self._value("y_left") - self._value("y_right")
+        return self._value(of_rig("y", "left")) - self._value(of_rig("y", "right"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,8 +140,7 @@ class Compliance(Result):
 
     def names(self) -> list[str]:
         """The names of the rates that this suspension has."""
-        corners, vehicle = self.rig.corners, self.vehicle
-        return [name for name, one in RATES.items() if not missing(one.needs, corners, vehicle)]
+        return [name for name, one in RATES.items() if not missing(one.needs, self.rig.corners, self.vehicle)]
 
     def __getitem__(self, name: str) -> float:
         """The value of a rate of the first side, ``compliance["wheel_rate"]``."""
@@ -167,13 +166,13 @@ class Compliance(Result):
             return rate.of(Entries(sides, side, dict(zip(names, values, strict=True))), self.vehicle)
 
         wanted = self.rig.parameters() if wrt is None else [wrt] if isinstance(wrt, str) else wrt
-        pads = [f"load_{one}.force.z" for one in sides]
+        pads = [f"{of_rig('load', one)}.force.z" for one in sides]
         response = Combined(of, names, name=f"{side} {name}")
         found = sensitivity(self.plant, response, [*wanted, *pads])
         own = [k for k, one in enumerate(found.names) if one not in pads]
         kept = tuple(found.names[k] for k in own)
         self.rig.refuse_moved_joints(kept)
-        held = sensitivity(self.held, [f"{PAD.format(one)}.force.z" for one in sides], kept)
+        held = sensitivity(self.held, [f"{of_rig('pad', one)}.force.z" for one in sides], kept)
         by_loads = np.array([found[one] for one in pads])
         matrix = found.matrix[:, own] + by_loads @ held.matrix
         return replace(
@@ -218,19 +217,21 @@ def compliance(rig: Rig, vehicle: Vehicle, at: float, q: Array) -> Compliance:
     held = equilibrium(System(rig.loaded("bump")), q, t=at)
     if not held.success:
         raise SarrusError(f"{held.name}: at {at:g} m: {held.message}. Choose a position within the stroke.")
-    loads = {side: float(held[f"{PAD.format(side)}.force.z"]) for side in rig.corners}
+    loads = {side: float(held[f"{of_rig('pad', side)}.force.z"]) for side in rig.corners}
     parts = [part for side, placed in rig.corners.items() for part in _loads(placed, loads[side])]
     model = rig.mounted(rig.steered(0.0), parts)
-    named = {key: text for placed in rig.corners.values() for key, text in _outputs(placed).items()}
+    named = {
+        of_rig(key, side): text for side, one in rig.corners.items() for key, text in _outputs(one).items()
+    }
     system = System(replace(model, outputs={**model.outputs, **named}))
     rest = equilibrium(system, held.q, stable=False)
     if not rest.success or rest.stability == "neutral":
         message = "no force carries the load of the wheels. Add a spring between carrier and chassis."
         raise SarrusError(f"{rest.name}: {message}")
-    inputs = [f"{load}_{side}" for side in loads for load in LOADS]
+    inputs = [of_rig(load, side) for side in loads for load in LOADS]
     plant = linearize(system, rest, inputs=inputs, outputs=[*named])
     columns = [
-        f"{part}_{side}.{word}.{axis}" for side in loads for part, word in PARTS.items() for axis in "xyz"
+        f"{of_rig(part, side)}.{load}.{x}" for side in loads for part, load in PARTS.items() for x in "xyz"
     ]
     rows = [one for placed in rig.corners.values() for one in _six(rest, placed)]
     matrix = sensitivity(rest, rows, columns).matrix
@@ -252,21 +253,22 @@ def _loads(placed: PlacedCorner, load: float) -> list[Any]:
     centre, spindle = placed.coordinates("centre"), placed.coordinates("spindle")
     contact = contact_point(centre, unit(centre - spindle), placed.corner.radius)
     at_centre, at_contact = (placed.body.global_point(*point) for point in (centre, contact))
-    on_road = tuple(f"{a!r}*Fx_{side} + {b!r}*Fy_{side}" for a, b in zip(ahead, left, strict=True))
-    on_hub = (*(f"{a!r}*Fx_hub_{side}" for a in ahead[:2]), f"Fz_{side}")
+    name = {one: of_rig(one, side) for one in LOADS}
+    on_road = tuple(f"{a!r}*{name['Fx']} + {b!r}*{name['Fy']}" for a, b in zip(ahead, left, strict=True))
+    on_hub = (*(f"{a!r}*{name['Fx_hub']}" for a in ahead[:2]), name["Fz"])
     return [
-        *(Input(f"{name}_{side}", 0.0, unit=one) for name, one in LOADS.items()),
-        PointForce(f"load_{side}", at_centre, (0.0, 0.0, load)),
-        Torque(f"moment_{side}", placed.body, (0.0, 0.0, 0.0)),
-        PointForce(f"on_road_{side}", at_contact, on_road),
-        PointForce(f"on_hub_{side}", at_centre, on_hub),
-        Torque(f"aligning_{side}", placed.body, ("0*t", "0*t", f"Mz_{side}")),
+        *(Input(name[one], 0.0, unit=unit) for one, unit in LOADS.items()),
+        PointForce(of_rig("load", side), at_centre, (0.0, 0.0, load)),
+        Torque(of_rig("moment", side), placed.body, (0.0, 0.0, 0.0)),
+        PointForce(of_rig("on_road", side), at_contact, on_road),
+        PointForce(of_rig("on_hub", side), at_centre, on_hub),
+        Torque(of_rig("aligning", side), placed.body, ("0*t", "0*t", name["Mz"])),
     ]
 
 
 def _outputs(placed: PlacedCorner) -> dict[str, str]:
     """Formulas of the position of the wheel centre along x, y and z, of the steer angle and of the camber."""
-    side, centre, spindle = placed.side, _place(placed, "centre"), _place(placed, "spindle")
+    centre, spindle = _place(placed, "centre"), _place(placed, "spindle")
 
     def along(direction: Array, point: str) -> str:
         """A component of the position of a point."""
@@ -274,14 +276,10 @@ def _outputs(placed: PlacedCorner) -> dict[str, str]:
         return " + ".join(f"{a!r}*{point}.{axis}" for a, axis in terms if a)
 
     x, y, z = (f"({along(row, centre)} + {along(-row, spindle)})" for row in placed.axes)
-    sign = "" if side == "left" else "-"
-    return {
-        f"x_{side}": along(-placed.axes[0], centre),
-        f"y_{side}": along(placed.left, centre),
-        f"z_{side}": along(placed.axes[2], centre),
-        f"steer_{side}": f"{sign}atan2({x}, {y})",
-        f"camber_{side}": f"-atan2({z}, sqrt({x}^2 + {y}^2))",
-    }
+    sign = "" if placed.side == "left" else "-"
+    angles = {"steer": f"{sign}atan2({x}, {y})", "camber": f"-atan2({z}, sqrt({x}^2 + {y}^2))"}
+    directions = {"x": -placed.axes[0], "y": placed.left, "z": placed.axes[2]}
+    return {name: along(one, centre) for name, one in directions.items()} | angles
 
 
 def _place(placed: PlacedCorner, name: str) -> str:

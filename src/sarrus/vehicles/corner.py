@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
 from ..algebra import Array
 from ..model import Body, PointForce, SarrusError, Spherical
+from ..model.checks.arguments import in_si
 from ..model.expression import Expression, Name, Number
 from ..model.expression.formula_value import ParameterValue
 from ..model.geometry.points import GROUND
@@ -25,6 +26,11 @@ UP = np.array([0.0, 0.0, 1.0])
 FORWARD = {"x": (1.0, 0.0, 0.0), "-x": (-1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "-y": (0.0, -1.0, 0.0)}
 
 
+def of_rig(*words: str) -> str:
+    """The name of a part that the rig adds, beside those of the model."""
+    return "_".join(("rig", *words))
+
+
 @dataclass(frozen=True, eq=False)
 class Corner:
     """A wheel of a suspension, and the parts that guide it.
@@ -35,7 +41,7 @@ class Corner:
     centre : the wheel centre: a global point in the design position (3,) [m], or the name of a hardpoint
         or of a joint of the carrier
     spindle : another point of the spin axis, on the side of the vehicle's centre plane
-    radius : distance of the wheel centre from the road [m]
+    radius : distance of the wheel centre from the road [m], or a text such as "310 mm"
     kingpin : the lower and the upper point of the steering axis, such as the names of both ball joints
     spring, damper : names of forces with a length, for the ratios of motion
     bearing : a revolute joint about which the wheel spins; it is locked
@@ -76,8 +82,7 @@ class Located(NamedTuple):
         """The recorded global position (3,) [m]."""
         if self.end:
             return o.point_of_joint(self.part, self.end)
-        places = ((p, k) for p in o.system.populations for k in members_of(p, self.part))
-        population, k = next(places)
+        population, k = next((p, k) for p in o.system.populations for k in members_of(p, self.part))
         return o.position(body, o.element(population, k, "b").s)
 
 
@@ -108,32 +113,30 @@ class PlacedCorner:
     def __init__(self, system: System, corner: Corner, side: Side, forward: str) -> None:
         self.corner, self.side, self._system = corner, side, system
         self._refuse_other_kinds()
-        self.corner = corner = self._of_side(corner)
+        word = f"{side}: radius"
+        radius = positive(in_si(word, corner.radius, "m"), word, "Give the radius in m.")
+        self.corner = corner = replace(self._of_side(corner), radius=radius)
         if corner.carrier not in system.bodies:
             hint = suggest(corner.carrier, [*system.bodies])
             raise SarrusError(f"{side}: the model has no body {quote(corner.carrier)}. {hint}")
-        positive(corner.radius, f"{side}: radius", "Give the radius in m.")
         ahead = np.array(FORWARD[forward])
         left = np.cross(UP, ahead)
         self.axes = np.array([-ahead, left if side == "left" else -left, UP])
         self.points = {name: self._located(name, spot) for name, spot in self._spots()}
-        self._refuse_spindle(forward)
+        self._refuse_points(forward)
         for word, name in (("spring", corner.spring), ("damper", corner.damper)):
             self._refuse_no_length(word, name)
 
     def _of_side(self, corner: Corner) -> Corner:
         """The corner with the names of the parts of its side: ``knuckle_left`` for ``knuckle``, if that is none."""
         model = self._system.model
-        parts: list[Any] = [*model.bodies, *model.joints, *model.forces]
-        known = {one.name for one in parts}
+        known = {one.name for parts in (model.bodies, model.joints, model.forces) for one in parts}
 
         def name(given: Any) -> Any:
             own = f"{given}_{self.side}"
             return own if isinstance(given, str) and given not in known and own in known else given
 
-        new = {one.name: name(getattr(corner, one.name)) for one in fields(corner)}
-        if isinstance(corner.kingpin, tuple | list):
-            new["kingpin"] = tuple(map(name, corner.kingpin))
+        new = {word: name(getattr(corner, word)) for word in ("carrier", "spring", "damper", "bearing")}
         return replace(corner, **new)
 
     def _spots(self) -> list[tuple[str, Spot]]:
@@ -157,7 +160,7 @@ class PlacedCorner:
         if place.shape != (3,) or not np.all(np.isfinite(place)):
             message = f"{name} must be three numbers, got {spot!r}. Give a global point in m."
             raise SarrusError(f"{self.side}: {message}")
-        return Located(place, f"{name}_{self.side}", coordinates=tuple(given))
+        return Located(place, of_rig(name, self.side), coordinates=tuple(given))
 
     def _coordinates(self, spot: Any) -> Any:
         """Three coordinates of a point: of a hardpoint by name the formulas that follow it."""
@@ -186,6 +189,7 @@ class PlacedCorner:
 
     def _of_joint(self, name: str, joint: str) -> Located:
         carrier, joints = self.corner.carrier, {one.name: one for one in self._system.model.joints}
+        joint = next((one for one in (joint, f"{joint}_{self.side}") if one in joints), joint)
         if joint not in joints:
             hint = suggest(joint, [*self._system.model.hardpoints, *joints])
             raise SarrusError(f"{self.side}: {name} names no hardpoint or joint {quote(joint)}. {hint}")
@@ -229,7 +233,13 @@ class PlacedCorner:
         points = [(one.part, one.coordinates) for one in self.points.values() if not one.end]
         return [PointForce(part, self.body.global_point(*place), (0.0, 0.0, 0.0)) for part, place in points]
 
-    def _refuse_spindle(self, forward: str) -> None:
+    def _refuse_points(self, forward: str) -> None:
+        table = self._system.model.hardpoints
+        y = {one: float(table[one][1]) for _, one in self._spots() if isinstance(one, str) and one in table}
+        if len({self._is_mirrored(one) for one in y.values() if one}) > 1:  # the model mirrors all or none
+            places = ", ".join(f"{quote(name)} at {one:g} m" for name, one in y.items())
+            message = f"its hardpoints are on both sides of y = 0: {places}"
+            raise SarrusError(f"{self.side}: {message}. Change the sign of those on the wrong side.")
         axis = self.axes @ (self.design("centre") - self.design("spindle"))
         if not np.any(axis):
             message = f"{self.side}: spindle is the wheel centre, so that the spin axis has no direction"

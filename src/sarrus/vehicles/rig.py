@@ -31,6 +31,7 @@ from ..model.expression import parse
 from ..model.expression.tree import lift
 from ..model.forces.force import Force
 from ..model.forces.tyre import RoadTyre, Tyre
+from ..model.mirror_image import other_side
 from ..model.show import quote, suggest
 from ..model.states.driveline import Driveline
 from ..model.tyres.rolling_tyre import RollingTyre
@@ -38,15 +39,13 @@ from ..model.written import following_numbers, written_numbers
 from ..results import Trajectory
 from ..system import System
 from .characteristics import SweepName
-from .corner import PlacedCorner, Side
+from .corner import PlacedCorner, Side, of_rig
 from .elastic import elastic_motion
 
 TYRES = Tyre | RoadTyre | RollingTyre
 CONTROLLERS = PID | FirstOrderLag | PathFollower | StateSpaceBlock | TransferFunction  # they load no part
-PAD = "pad_{}"
-STEERING = "steering_of_rig"
 REMEDY = (
-    "Name the bodies that stand still with fixed=, the joint that steers with steering=, and joints in which wheels "
+    "Name the bodies that stand still with fixed={}, the joint that steers with steering=, and joints in which wheels "
     "spin as bearing of the corners; give bushings stiffness along and about all axes"
 )
 # The right wheel is in bump where the chassis rolls to the right
@@ -93,7 +92,7 @@ class Rig:
         """The model with the fixed bodies, the points of the corners, drivers and loads."""
         model, without = self.system.model, not_on_rig(self.system.model.forces)
         bodies = [one for one in model.bodies if one.name in self.fixed]
-        fixed = [Fixed(f"rig_{one.name}", ground, one, point=one.position) for one in bodies]
+        fixed = [Fixed(of_rig("fixed", one.name), ground, one, point=one.position) for one in bodies]
         forces = [one for one in model.forces if one.name not in without]
         markers = [one for placed in self.corners.values() for one in placed.markers()]
         joints, drivers = [*model.joints, *fixed], [*self._bearings(), *drivers]
@@ -101,13 +100,14 @@ class Rig:
 
     def refuse_forces_of_tyres(self) -> None:
         """Refuse a model whose parts use outputs of what the rig removes."""
-        if not (removed := sorted(not_on_rig(self.system.model.forces))):
-            return
+        names = sorted(not_on_rig(self.system.model.forces))
         try:
-            System(self.mounted([]))
+            System(self.mounted([])) if names else None
         except SarrusError as wrong:
+            # With them, other errors remain
+            System(self.mounted([], [one for one in self.system.model.forces if one.name in names]))
             raise SarrusError(
-                f"{wrong} The rig has no tyres, drivelines of wheels and controllers ({', '.join(removed)}): leave out "
+                f"{wrong} The rig has no tyres, drivelines of wheels and controllers ({', '.join(names)}): leave out "
                 "what depends on them."
             ) from None
 
@@ -153,16 +153,15 @@ class Rig:
         rate = sign * {"bump": 1.0, "roll": ROLL[side]}.get(sweep, 0.0)
         x, y, z = placed.coordinates("centre")
         height = lift(z) + parse(f"{rate!r}*t")
-        return PointDriver(PAD.format(side), placed.body.global_point(x, y, z), z=height)
+        return PointDriver(of_rig("pad", side), placed.body.global_point(x, y, z), z=height)
 
     def _bearings(self) -> list[Driver]:
-        names = {placed.corner.bearing for placed in self.corners.values()} - {None}
-        every = sorted(map(str, names))
-        return [self._coordinate(f"brake_{name}", name, 0.0, "bearing") for name in every]
+        every = sorted(map(str, {placed.corner.bearing for placed in self.corners.values()} - {None}))
+        return [self._coordinate(of_rig("brake", name), name, 0.0, "bearing") for name in every]
 
     def steered(self, rate: float) -> list[Driver]:
         """The driver of the steering, if there is one, from the design position."""
-        return [self._coordinate(STEERING, self.steering, rate)] if self.steering else []
+        return [self._coordinate(of_rig("steering"), self.steering, rate)] if self.steering else []
 
     def _coordinate(self, driver: str, joint: str, rate: float, word: str = "steering") -> Driver:
         """The driver of an angle or a displacement, from its value in the design position."""
@@ -185,7 +184,7 @@ class Rig:
         if falling.status == "not fully driven" and self._has_bushings and not system.states:
             return self._elastic(name, system, limits, steps, falling.message)
         if not len(falling.t):
-            raise SarrusError(f"{name}: {falling.message}. {REMEDY}.")
+            raise SarrusError(f"{name}: {falling.message}. {self._remedy}.")
         rising = np.linspace(0.0, high, steps + 1 if high else 1)
         grid = np.concatenate([-falling.t[:0:-1], rising])
         run = kinematics(system, grid, falling.q[-1])
@@ -203,10 +202,17 @@ class Rig:
         try:
             run, ends = elastic_motion(system, np.concatenate([below[:0:-1], above]))
         except SarrusError:
-            raise SarrusError(f"{name}: {free}. {REMEDY}.") from None
+            raise SarrusError(f"{name}: {free}. {self._remedy}.") from None
         reached = zip((run.t[0], run.t[-1]), ends, strict=True)
         messages = [f"{name} ends at {t:+.6g}: {message}." for t, message in reached if message]
         return Sweep(run, " ".join(messages))
+
+    @property
+    def _remedy(self) -> str:
+        """What to do about parts that are free: to fix the carrier of a side without a wheel, for example."""
+        carriers = [placed.corner.carrier for placed in self.corners.values()]
+        still = {other_side(one) for one in carriers} & {*self.system.bodies} - {*carriers, *self.fixed}
+        return REMEDY.format(f"[{', '.join(map(quote, still))}]" if still else "")
 
     @property
     def _has_bushings(self) -> bool:
@@ -229,14 +235,14 @@ class Rig:
         if run.status == "not fully driven" and self._has_bushings:
             return None
         if not run.success:
-            raise SarrusError(f"kingpin: {run.message}. {REMEDY}.")
+            raise SarrusError(f"kingpin: {run.message}. {self._remedy}.")
         return Sweep(run, "")
 
     def _locked(self, placed: PlacedCorner) -> list[Distance]:
         """The constraint that keeps the length of the spring of a corner; none if it has no two ends."""
         springs = [one for one in self.system.model.forces if one.name == placed.corner.spring]
         ends = [(one.point_i, one.point_j) for one in springs if isinstance(one, TSDA)]
-        return [Distance(f"lock_{placed.side}", *pair) for pair in ends]
+        return [Distance(of_rig("lock", placed.side), *pair) for pair in ends]
 
 
 def in_design_position(system: System) -> System:

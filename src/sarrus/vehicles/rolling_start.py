@@ -45,7 +45,7 @@ def rolling_start(system: System, speed: float, inputs: Mapping[str, Any] | None
     Raises
     ------
     SarrusError
-        If the model has no rolling tyres or no such input, or no equilibrium is found.
+        If the model has no rolling tyres or no such input, or no equilibrium is found on all tyres.
     """
     tyres = [one for one in system.model.forces if isinstance(one, RollingTyre)]
     if not tyres:
@@ -55,6 +55,9 @@ def rolling_start(system: System, speed: float, inputs: Mapping[str, Any] | None
         rest = equilibrium(system)
     if not rest.success:
         raise SarrusError(f"{rest.message}. Correct the model, or its inputs, so that it can stand.")
+    if lifted := [tyre.name for tyre in tyres if not rest[f"{tyre.name}.load"] > 0]:
+        message = f"in the equilibrium that was found, {', '.join(lifted)} do not touch the road"
+        raise SarrusError(f"{system.name}: {message}. Press all tyres on the road in the initial position.")
     wheels = [(tyre, *_axis(system, rest, tyre)) for tyre in tyres]
     across = np.sum([axis for _, _, axis in wheels], axis=0)
     ahead = np.cross(across, (0.0, 0.0, 1.0))

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf
 
 from ..model import AngleDriver, SarrusError
 from ..model.announcement import reports_warnings
-from ..model.checks.arguments import CHECKS
-from ..model.quantity import numbers
+from ..model.checks.arguments import CHECKS, in_si
+from ..model.quantity import is_list, numbers
 from ..model.show import suggest
 from ..system import System
 from .characteristics import SweepName
@@ -43,7 +42,8 @@ def suspension(
     ----------
     system : System, with z upward; the rig starts from its design position
     left, right : the wheels, one or both
-    bump : lowest and highest displacement of the wheels, both in parallel [m]; None for no sweep
+    bump : lowest and highest displacement of the wheels, both in parallel [m], or texts such as "30 mm"; None for no
+        sweep
     roll : the same for opposite displacements; those of the right wheel
     steering : the joint coordinate that steers: a rack, ``rack``, or a shaft; it is held in bump and roll
     steer : its lowest and highest displacement [m] or [rad] from the design position
@@ -85,17 +85,12 @@ def suspension(
     rig = Rig(system, corners, steering, tuple(fixed))
     rig.refuse_forces_of_tyres()
     roll = roll if len(corners) > 1 else None
-    limits: list[tuple[SweepName, Sequence[float] | None]] = [
-        ("bump", bump),
-        ("roll", roll),
-        ("steer", steer),
-    ]
+    limits: dict[SweepName, Sequence[float] | None] = {"bump": bump, "roll": roll, "steer": steer}
     diameter = 2 * min(one.corner.radius for one in corners.values())
-    turns = bool(steering) and coordinate(system, steering)[0] is AngleDriver
-    largest = {"steer": inf} if turns else {}
+    units = {"steer": "rad"} if steering and coordinate(system, steering)[0] is AngleDriver else {}
     sweeps = {
-        name: rig.sweep(name, _limits(name, one, largest.get(name, diameter)), steps)
-        for name, one in limits
+        name: rig.sweep(name, _limits(name, one, units.get(name, "m"), diameter), steps)
+        for name, one in limits.items()
         if one is not None
     }
     if any(one.kingpin is None for one in (left, right) if one) and rig.has_virtual_kingpins:
@@ -108,13 +103,14 @@ def suspension(
     return Suspension(system.name, rig, vehicle or Vehicle(), sweeps, not stopped, message)
 
 
-def _limits(name: str, limits: Sequence[float], diameter: float) -> tuple[float, float]:
+def _limits(name: str, limits: Sequence[float], unit: str, diameter: float) -> tuple[float, float]:
     """The limits of a sweep, which are on both sides of 0, and displacements not larger than a wheel."""
-    low, high = numbers(limits, 2, name, "Give the lowest and the highest displacement, as in (-0.05, 0.05).")
+    given = [in_si(name, one, unit) for one in limits] if is_list(limits) else limits
+    low, high = numbers(given, 2, name, "Give the lowest and the highest displacement, as in (-0.05, 0.05).")
     if not low <= 0.0 <= high or low == high:
         message = f"the limits must be on both sides of 0, got {low:g} and {high:g}"
         raise SarrusError(f"{name}: {message}. Exchange or change them.")
-    if max(-low, high) > diameter:
+    if unit == "m" and max(-low, high) > diameter:
         message = f"{max(-low, high):g} m is more than the diameter of a wheel, {diameter:g} m"
         raise SarrusError(f"{name}: {message}. Give displacements in m, as in (-0.05, 0.05).")
     return low, high

@@ -178,9 +178,8 @@ def refuse_missing(
     if need := missing(needs, corners, vehicle):
         remedies = dict.fromkeys(("spring", "damper"), f"Name it in the corner, Corner(..., {need}=...)")
         remedies["other"] = "Give both wheels, left= and right="
-        raise SarrusError(
-            f"{what} needs {need}. {remedies.get(need, f'Give it, vehicle=sr.Vehicle({need}=...)')}."
-        )
+        remedy = remedies.get(need, f"Give it, vehicle=sr.Vehicle({need}=...)")
+        raise SarrusError(f"{what} needs {need}. {remedy}.")
 
 
 def unit(vector: Array) -> Array:

@@ -104,10 +104,9 @@ def reach_constraints(search: Search, iterations: int) -> Answer | None:
     n = int(short.argmax())
     low, high = search.constraints[n].ends
     limit = f"its lower limit {low:g}" if values[n] < low else f"its upper limit {high:g}"
-    title = search.problem.titles[count + n]
-    return Answer(
-        False, f"the constraint {title} cannot be met: the nearest design has {values[n]:.6g}, {limit}"
-    )
+    message = "the search from this start found no design that meets the constraint "
+    message += f"{search.problem.titles[count + n]}: the nearest has {values[n]:.6g}, {limit}"
+    return Answer(False, f"{message}; try another start (starts=8) or a wider limit")
 
 
 def normalize(search: Search, slope_of: Callable[[Array], Array] | None = None) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from ..answer import Answer
 from ..values import figure_file, positive_in, refuse_unwritable, tyre_file
@@ -85,12 +85,14 @@ def _warn_outside(tyre: TyreFile, load: float | None) -> None:
 def _numbers(tyre: TyreFile, load: float | None) -> list[tuple[str, float, str]]:
     """Label, value and unit of what describes a tyre at a load."""
     from ...elements.forces.tyres import Slip
+    from ...elements.forces.tyres.rounding import at_least
+    from ...model import MagicFormulaTyre
 
-    law: Any = tyre.law()
+    law, shortest = cast("Any", tyre.law()), MagicFormulaTyre.shortest_relaxation
     F_z = float(law.nominal_load) if load is None else load
     slip = law.in_range(Slip(0.0, 0.0, 0.0, F_z, float(law.LONGVL)))
     x, y, w = law.longitudinal(slip), law.lateral(slip, 0.0), law.wrench(slip)
-    sigma_x, sigma_y = law.relaxation_lengths(slip)
+    sigma_x, sigma_y = (at_least(length, shortest) for length in law.relaxation_lengths(slip))
     return [
         ("unloaded radius", float(law.unloaded_radius), "m"),
         ("load", F_z, "N"),
@@ -100,6 +102,6 @@ def _numbers(tyre: TyreFile, load: float | None) -> list[tuple[str, float, str]]
         ("lateral friction", y.mu, ""),
         ("longitudinal relaxation length", sigma_x, "m"),
         ("lateral relaxation length", sigma_y, "m"),
-        ("lateral force without slip", w.F_y, "N"),
-        ("rolling resistance moment", w.M_y, "N m"),
+        ("lateral force without slip", w.F_y + 0.0, "N"),
+        ("rolling resistance moment", w.M_y + 0.0, "N m"),
     ]

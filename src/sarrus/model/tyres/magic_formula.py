@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from math import isfinite
+from math import inf, isfinite
 from typing import Annotated, Any, NamedTuple
 
 from ...elements.forces.tyres import (
@@ -59,6 +59,7 @@ class Rule(NamedTuple):
 POSITIVE = "must be greater than 0, but is {:g}. Correct it"
 RULES = (
     Rule("UNLOADED_RADIUS FNOMIN VERTICAL_STIFFNESS LONGVL", lambda x: x > 0, f"{POSITIVE}.", ""),
+    Rule("UNLOADED_RADIUS", lambda x: x <= 5, "is {:g} m. Is the unit of the file mm? Give [UNITS] LENGTH."),
     Rule("PCX1 PDX1 PKX1 PCY1", lambda x: x > 0, f"{POSITIVE}.", ""),
     Rule("PDY1 PKY1 PKY2", bool, "must not be 0. Correct it.", ""),
     Rule("LFZO LMUX LMUY NOMPRES INFLPRES FZMAX", lambda x: x > 0, f"{POSITIVE}, or leave it out."),
@@ -67,6 +68,9 @@ RULES = (
     Rule("VERTICAL_DAMPING QSY7", lambda x: x >= 0, "must not be negative. Correct it."),
     Rule("PTY2", bool, "must not be 0. Correct it, or leave out PTY1 and PTY2."),
 )
+KINDS = ", ".join(map(str, LAWS))
+UNSUPPORTED = f"is {{:g}}, which is not supported. Choose from {KINDS}."
+VERSION = Rule("FITTYP", LAWS.__contains__, UNSUPPORTED, f", the version of the formulas, one of {KINDS}")
 OF_61 = (Rule("PKY4", bool, "must not be 0. Correct it.", ""),)
 EDGE = ", which Q_CAM1 and Q_CAM2 need"
 OF_EDGE = (  # of the tread of an inclined tyre, 6.2
@@ -149,14 +153,8 @@ def checked(
             raise ModelError(message, field=field)
         number(value, f"{field}.{name}")
     plain = {name: float(value_of(value)) for name, value in given.items()}
-    kinds = ", ".join(map(str, LAWS))
-    if "FITTYP" not in plain:
-        message = f"{field} has no FITTYP, the version of the formulas. Give one of {kinds}."
-        raise ModelError(message, field=field)
+    _check(plain, [VERSION], field)
     kind = plain["FITTYP"]
-    if kind not in LAWS:
-        message = f"{field}.FITTYP is {kind:g}, which is not supported. Choose from {kinds}."
-        raise ModelError(message, field=field)
     law, unused = LAWS[int(kind)], _unused(given, turn_slip)
     _check_values(plain, law, field)
     if turn_slip and law is not MagicFormula61:
@@ -200,7 +198,7 @@ def _unused(given: Any, turn_slip: bool) -> set[str]:
     """Names of the coefficients that the law does not use; files give 0 for none."""
     named = given if isinstance(given, Mapping) else {}
     plain = {name: value_of(value) for name, value in named.items()}
-    unused = {"FITTYP"}
+    unused = {"FITTYP", "FZMIN"}
     if not turn_slip:
         unused |= {*TURN, "LMP"}
     if plain.get("FITTYP") != 62 or not (plain.get("Q_CAM1") or plain.get("Q_CAM2")):
@@ -236,6 +234,8 @@ def _check_values(plain: Mapping[str, float], law: type[TyreLaw], field: str) ->
         if low >= 0.0 or high <= 0.0:
             span = f"the range {low:g} to {high:g} of {name}MIN and {name}MAX, without zero in it"
             raise ModelError(f"{field} has {span}. Correct it.", field=field)
+    if plain.get("FZMIN", 0.0) >= plain.get("FZMAX", inf):
+        raise ModelError(f"{field}.FZMIN must be below FZMAX, {plain['FZMAX']:g} N. Correct it.", field=field)
     steep = plain["VERTICAL_STIFFNESS"] * plain["UNLOADED_RADIUS"] / plain["FNOMIN"]
     if not plain.get("Q_FZ1") and 4 * plain.get("Q_FZ2", 0.0) >= steep * steep:
         limit = f"{field}.Q_FZ2 must be less than {steep * steep / 4:.6g}, that VERTICAL_STIFFNESS is reached at FNOMIN"

@@ -77,6 +77,8 @@ def test_a_force_from_its_potential_is_that_of_Q() -> None:
     gradients = [sr.sensitivity(run, "bob.x", ["magnet.strength", "bob.mass"]) for run in runs]
     assert gradients[0].matrix == pytest.approx(gradients[1].matrix, rel=1e-9)
     assert runs[0].q == pytest.approx(runs[1].q, abs=1e-10)
+    by_strength = sr.sensitivity(runs[1], "energy.potential", ["magnet.strength"]).matrix
+    assert abs(by_strength) > 0.1
 
 
 def test_a_derivative_that_is_written_is_used() -> None:

@@ -22,6 +22,7 @@ from .._jit.kernels.vector import LANES
 from .._jit.linking.link import compiled, link
 from ..algebra import Array
 from ..elements import Force
+from ..elements.derived import potential
 from ..elements.evaluation import element_from
 from ..elements.operators import OPERATORS
 from ..elements.recorder import Variant
@@ -100,7 +101,7 @@ def recorded(variant: Variant, energy: Energy) -> RecordedEnergy:
     numbers = graph.inputs("numbers", kind.size())
     element: Any = element_from(kind, numbers, t=graph.input("t"))
     x, rate = local(variant, q, "q"), local(variant, v, "v")
-    parts = element.potential(x) if energy == "potential" else _halves(rate, element.M_a(x, rate))
+    parts = [potential(element, x)] if energy == "potential" else _halves(rate, element.M_a(x, rate))
     (value,) = graph.expressions([sum(parts)])
     return RecordedEnergy(graph, value, q, v, numbers)
 

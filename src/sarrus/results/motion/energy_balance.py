@@ -65,7 +65,7 @@ class EnergyBalance(Result):
         wide = max([len(name) for name in (*self.dissipated, *self.supplied)] + [9]) + 11
         lines = [f"{self.name}: energies in J", f"  {'':<{wide}}{'start':>14}{'end':>14}"]
         lines += [f"  {name:<{wide}}{values[0]:>14.6g}{values[-1]:>14.6g}" for name, values in self.rows()]
-        return "\n".join([*lines, f"  drift of the total: {self.drift:.2g}"])
+        return "\n".join([*lines, f"  drift of the total: {self.drift:.1g}"])
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the energies over time; see `sarrus.views.plot_energy_balance`."""

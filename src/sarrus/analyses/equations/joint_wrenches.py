@@ -29,7 +29,6 @@ from ...system.structure.structure import structure_of
 from .length import POINTS, SMALL, radius_of_gyration
 
 SIDES = POINTS | {"s_k": 2, "s_l": 3}
-STEP = 1e-30  # imaginary: derivatives of polynomials are exact
 
 
 class Supports(NamedTuple):
@@ -176,25 +175,9 @@ class Wrenches:
         """K Φ̂_qᵀλ, the gradient of half the norm by the generalized forces of λ (m,) (7 c,)."""
         return deflections(self.of, self._q, self._b, self.forces(lam))
 
-    def deflections_along(self, lam: Array, y_dot: Array, q_dot: Array, b_dot: Array) -> Array:
-        """The change of `deflections` with the generalized forces y, q and b."""
-        q, b = self._moved(self._q, q_dot), self._moved(self._b, b_dot)
-        return np.asarray(deflections(self.of, q, b, self._moved(self.forces(lam), y_dot)).imag / STEP)
-
     def gradients(self, y1: Array, y2: Array) -> tuple[Array, Array]:
         """Gradients of y1ᵀ K y2 by q (7 c,) and b."""
         return norm_gradients(self.of, self._q, self._b, y1, y2)
-
-    def gradients_along(
-        self, y1: tuple[Array, Array], y2: tuple[Array, Array], q_dot: Array, b_dot: Array
-    ) -> tuple[Array, Array]:
-        """Changes of `gradients` with y1, y2, q and b."""
-        q, b = self._moved(self._q, q_dot), self._moved(self._b, b_dot)
-        by_q, by_b = norm_gradients(self.of, q, b, self._moved(*y1), self._moved(*y2))
-        return by_q.imag / STEP, by_b.imag / STEP
-
-    def _moved(self, x: Array, x_dot: Array) -> Array:
-        return np.asarray(x + 1j * STEP * np.ravel(x_dot))
 
 
 def _parts(of: Supports, q: Array, b: Array, y: Array) -> tuple[Array, Array]:

@@ -18,8 +18,8 @@ from ..parameters.parameters import Parameters
 from ..responses.evaluation import DirectTerms, Evaluation
 from ..responses.panels import Layout
 from ..responses.responses import AtEvent, ExtremeValue, Integral, Response
-from ..sampling.consistent import AdjointChange
 from ..sampling.sampling import READ, Sampling
+from ..steps.sweep import PerOperation
 from .solved_states import Moves, SolvedStates, StatesAt
 
 AT = 1e-9  # of the duration of a result, within which a time is one of its own
@@ -110,10 +110,10 @@ class ResponsesOfResult(Evaluation):
         return replace(dots, lam=self._reported.along(dots, b, self._reported.times(dots.shift)))
 
     def _collected(
-        self, n: int, bars: list[Any], nodes: Nodes, k: int, *turned: AdjointChange
+        self, n: int, bars: list[Any], nodes: Nodes, k: int, *sources: PerOperation
     ) -> tuple[Nodes, DirectTerms]:
         """See `Evaluation`; also those by what is derived from a single state."""
-        nodes, explicit = super()._collected(n, bars, nodes, k, *turned)
+        nodes, explicit = super()._collected(n, bars, nodes, k, *sources)
         inputs = self._outputs[n].inputs.items()
         derived = {key: np.sum(bars[x.at]) for key, x in inputs if key[0] not in (*READ, "b", "c")}
         moves = self._solved.through_derived(derived, nodes.column(k))

@@ -15,9 +15,10 @@ from ....outputs import Outputs
 from ....outputs.recording import Angles, Key
 from ....results import Segments, StepsTaken
 from ....system import System
+from ...position.assembly_derivatives import NoDerivative
 from ..chain.chain import Nodes
 from ..parameters.parameters import Parameters
-from ..sampling.consistent import AdjointChange, ConsistentSampling
+from ..sampling.consistent import ConsistentSampling
 from ..sampling.reported import Reporter
 from ..sampling.sampling import READ, Sampling, angles_of
 from ..sampling.segments import (
@@ -28,6 +29,7 @@ from ..sampling.segments import (
     course_of,
     fixed,
 )
+from ..steps.sweep import PerOperation
 from .panels import ABOUT, PARTS, Layout, Panels, Steps, between_kinks
 from .responses import AtEvent, ExtremeValue, Integral, Response, of_whole_run
 from .undefined import (
@@ -330,11 +332,20 @@ class Evaluation:
     def gradient_along(
         self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]
     ) -> tuple[Nodes, DirectTerms]:
-        """The change of the gradient of response n, with changes of states and numbers in one column."""
+        """The change of the gradient of response n, with changes of states and numbers in one column.
+
+        Raises
+        ------
+        NoDerivative
+            For a response that depends on reactions of redundant constraints.
+        """
         response, outputs = self._responses[n], self._outputs[n]
         sampling, g = self._samplings[n], self.signals[n]
-        of_steps, reported = dots, self._reported.redundant and self._asks_for_method(n)
-        dots = self._with_reported(dots, b)
+        if self._reported.redundant and self._asks_for_multipliers(n):
+            raise NoDerivative(
+                f"{response.title}: reactions of redundant constraints have no second derivatives. Remove a redundant "
+                "constraint, or take gradients."
+            )
         found, along = self._found[n], self._tape_along(n, dots, b, c, named, 0)
         t, still = sampling.t, np.zeros(len(sampling.t))
         t_dot, weights = sampling.gathered_time(dots, 0) if sampling.moves else still, response.weights(g, t)
@@ -355,13 +366,7 @@ class Evaluation:
             sampling.spread_time(by_t + response.by_times_along(g, t, g_dot, t_dot), nodes, 0)
         if not isinstance(sampling, ConsistentSampling):
             sampling.spread_along(by_states, dots, nodes)
-            nodes, explicit = self._collected(n, change, nodes, 0)
-            if reported:
-                first = self._collected(n, bars, Nodes.zeros(self._steps, 1), 0)[0]
-                times = self._reported.times(nodes.shift), self._reported.times(dots.shift)
-                by_b = self._reported.transposed_along(first, nodes, times[0], of_steps, b, times[1])
-                explicit = replace(explicit, b=explicit.b + by_b)
-            return nodes, explicit
+            return self._collected(n, change, nodes, 0)
         sources, by_b = sampling.turned(by_states, sampling.along(dots, b[:, :1], 0), dots, nodes)
         nodes, explicit = self._collected(n, change, nodes, 0, sources)
         return nodes, replace(explicit, b=explicit.b - by_b[:, None])
@@ -415,7 +420,7 @@ class Evaluation:
         return {key: np.broadcast_to(bars[x.at], shape) for key, x in inputs if key[0] in READ}
 
     def _collected(
-        self, n: int, bars: list[Any], nodes: Nodes, column: int, *turned: AdjointChange
+        self, n: int, bars: list[Any], nodes: Nodes, column: int, *sources: PerOperation
     ) -> tuple[Nodes, DirectTerms]:
         """Gradients by the inputs of a tape, sorted: those by states are added to a column of the nodes."""
         outputs, sampling = self._outputs[n], self._samplings[n]
@@ -425,6 +430,6 @@ class Evaluation:
             bar = bars[variable.at]
             if kind in ("b", "c"):
                 (by_b if kind == "b" else by_c)[place, 0] += np.sum(bar)
-        by_b += sampling.spread_all(self._by_states(n, bars), nodes, column, *turned)
+        by_b += sampling.spread_all(self._by_states(n, bars), nodes, column, *sources)
         named = {name: float(np.sum(bars[variable.at])) for name, variable in outputs.named.items()}
         return nodes, DirectTerms(by_b, by_c, [named])

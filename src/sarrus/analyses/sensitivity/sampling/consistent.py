@@ -33,24 +33,12 @@ from .settled import settled
 
 
 class StateChanges(NamedTuple):
-    """Changes of states: of the states, the stages, the parameters (len(b),) and the times.
-
-    lam : the changes of the multipliers that the operations solve for
-    """
+    """Changes of states: of the states, the stages, the parameters (len(b),) and the times."""
 
     found: NodeArrays
     stages: PerOperation
     b: Array
     t: Array
-    lam: Array
-
-
-class AdjointChange(NamedTuple):
-    """Sources of the change of an adjoint: of the operations, the gradients and the motion."""
-
-    sources: PerOperation
-    bars: NodeArrays
-    motion: StateChanges
 
 
 class ConsistentSampling(Sampling):
@@ -167,7 +155,7 @@ class ConsistentSampling(Sampling):
         t_dot = of.gathered_time(dots, column) if self._moving else np.zeros(len(self.t))
         found, stages = sweep.along({"q0": q, "q": q, "v": v}, b[: len(self._run.b)], t_dot)
         reported = found._replace(lam=self._minimum.along(found, b, t_dot[:, None]))
-        return StateChanges(reported, stages, b[:, 0], t_dot, found.lam)
+        return StateChanges(reported, stages, b[:, 0], t_dot)
 
     def rates(self) -> NodeArrays:
         """The derivatives of the states by the time, along the motion."""
@@ -185,12 +173,12 @@ class ConsistentSampling(Sampling):
         return {(kind, n): getattr(found, kind)[:, n, 0] for kind, n in keys}
 
     def spread_all(
-        self, bars: Mapping[Key, Array], nodes: Nodes, column: int, turned: AdjointChange | None = None
+        self, bars: Mapping[Key, Array], nodes: Nodes, column: int, sources: PerOperation | None = None
     ) -> Array:
-        """See `Sampling`; `turned` is what the change of an adjoint takes."""
-        given = self._given(bars)
-        t_bar, by_b = self._through_minimum(given, turned)
-        found = self._sweep.back(given, turned.sources if turned else None)
+        """See `Sampling`; `sources` are those of the change of an adjoint."""
+        given, t_bar = self._given(bars), np.zeros((len(self.t), 1))
+        by_b = self._minimum.transposed(given, t_bar)
+        found = self._sweep.back(given, sources)
         for kind in ("q", "v"):
             self._of.spread(kind, np.arange(self._system.nq), getattr(found, kind)[:, :, 0], nodes, column)
         if self._moving:
@@ -204,25 +192,14 @@ class ConsistentSampling(Sampling):
             getattr(given, kind)[:, n, 0] += bar
         return given
 
-    def _through_minimum(self, given: NodeArrays, turned: AdjointChange | None = None) -> tuple[Array, Array]:
-        """Turn gradients by the least multipliers into those of independent equations; those by times and numbers."""
-        t_bar = np.zeros((len(self.t), 1))
-        if turned is None:
-            return t_bar, self._minimum.transposed(given, t_bar)
-        motion = turned.motion
-        dots, b_dot, t_dot = motion.found._replace(lam=motion.lam), motion.b[:, None], motion.t[:, None]
-        return t_bar, self._minimum.transposed_along(turned.bars, given, t_bar, dots, b_dot, t_dot)
-
     def turned(
         self, bars: Mapping[Key, Array], motion: StateChanges, dots: Nodes, nodes: Nodes
-    ) -> tuple[AdjointChange, Array]:
-        """What the change of the adjoint of these gradients takes along a motion; of those by the numbers (len(b),).
+    ) -> tuple[PerOperation, Array]:
+        """Sources of the change of the adjoint of these gradients along a motion; of those by the numbers (len(b),).
 
         `dots` are the changes of the nodes; gradients that change as times move are added to those by `nodes`.
         """
-        given, curves = self._given(bars), CurveLagrangian(self._system, True, self._moving)
-        self._through_minimum(given)
-        back = self._sweep.back(given)
+        curves, back = CurveLagrangian(self._system, True, self._moving), self._sweep.back(self._given(bars))
         if self.moves:
             places = product(("q", "v"), range(self._system.nq))
             through = {(kind, n): getattr(back, kind)[:, n, 0] for kind, n in places}
@@ -230,4 +207,4 @@ class ConsistentSampling(Sampling):
         found = changes_along(self._sweep.record, motion.b, motion.stages, back.solved, curves, motion.t)
         if self._moving:
             self._of.spread_time(-found.t, nodes, 0)
-        return AdjointChange(found.sources, self._given(bars), motion), found.b
+        return found.sources, found.b

@@ -29,8 +29,6 @@ from ....system.curves.curve_derivatives import CurveDerivatives
 from ...equations.joint_wrenches import Wrenches, separated, supports
 from ...equations.minimum_norm import MinimumNorm, MinimumNormChoice
 from ..chain.chain import Nodes
-from ..lagrangians.changes import change_at
-from ..lagrangians.curves import CurveLagrangian
 from ..steps.sweep_loop import NodeArrays
 
 # Changes of the times of all nodes (n, k), or gradients by them
@@ -193,99 +191,6 @@ class Reporter:
             if slopes := self.slopes(row):
                 by.lam[row] = slopes.transposed(by.lam[row], Changes(by.q[row], by_b, t[row]))
         return by_b
-
-    def transposed_along(
-        self, bars: Nodes | NodeArrays, change: Nodes | NodeArrays, t: Times,
-        dots: Nodes | NodeArrays, b: Array, t_dot: Times,
-    ) -> Array:  # fmt: skip
-        """Turn changes of gradients, see `transposed`, with those of the states, parameters and times.
-
-        Parameters
-        ----------
-        bars : gradients by reported multipliers
-        change, t : their change, which is replaced, and that of gradients by the times
-        dots, b, t_dot : changes of the states, with the multipliers of the steps, of the parameters (len(b), 1), times
-        """
-        by_b, own = np.zeros((len(self._b), 1)), self._dependent
-        asked = bars.lam[own].any(axis=(1, 2)) | change.lam[own].any(axis=(1, 2))
-        for row in own[asked].tolist():
-            moved, to = Changes(dots.q[row], b, t_dot[row]), Changes(change.q[row], by_b, t[row])
-            change.lam[row] = self._turned(row, (bars.lam[row], change.lam[row]), moved, dots.lam[row], to)
-        return by_b
-
-    def _turned(
-        self, row: int, bars: tuple[Array, Array], moved: Changes, lam_dot: Array, to: Changes
-    ) -> Array:
-        """The change of the gradient by λ (m, 1), of that by λ̂ and its change; those by the state are added.
-
-        With ν = N Nᵀ λ̂̄, the gradient by λ is λ̄ = λ̂̄ - G ν = J β, and that by the state is that of
-        μᵀJ β - νᵀ(G λ̂ - J ξ); ν and β change as λ̂ and -ξ do, with the right sides of the same equations.
-        """
-        slopes, (bar, bar_dot) = self.slopes(row), bars
-        if slopes is None:
-            return bar_dot
-        minimum, least, wrenches = slopes.minimum, slopes.least, slopes.wrenches
-        lam, mu, copies = slopes.lam, slopes.mu, supports(self._system).copies
-        nu = (least.null @ (least.null.T @ bar))[:, 0]
-        beta = minimum.motions(least.transposed(bar))[:, 0]
-        eta, eta_nu = wrenches.deflections(lam), wrenches.deflections(nu)
-        zeta, zeta_nu = eta - copies(slopes.xi), eta_nu + copies(beta)
-        moved_hat = Changes(copies(moved.q), moved.b, moved.t)
-        pulls = [self._by("Phi_qT_lam", row, x, apart=True) for x in (lam, nu, mu)]
-        pushes = [self._by("Phi_q_xi", row, x, apart=True) for x in (zeta, zeta_nu, copies(beta))]
-
-        def bent(x: Array, x_dot: Array, pull: Partials) -> Array:
-            """The change of K Ĵᵀ x."""
-            y_dot = wrenches.forces(x_dot) + pull.along(moved_hat)
-            return wrenches.deflections_along(x, y_dot[:, 0], moved_hat.q[:, 0], moved.b[:, 0])[:, None]
-
-        hat_dot = slopes.along(moved, lam_dot)
-        eta_dot = bent(lam, hat_dot, pulls[0])
-        xi_dot = minimum.motions(wrenches.J @ eta_dot + pushes[0].along(moved_hat))
-        own = self._balance(row, nu, zeta_nu, least, wrenches)
-        pull_nu = self._by("Phi_qT_lam", row, nu)
-        nu_dot = least.choose(-minimum.forces(pull_nu.along(moved)))
-        nu_dot = nu_dot + least.null @ (least.null.T @ bar_dot - _contracted(own, moved))
-        eta_nu_dot = bent(nu, nu_dot, pulls[1])
-        across_dot = (
-            bar_dot - wrenches.J @ eta_nu_dot - pushes[1].along(moved_hat) + pushes[2].along(moved_hat)
-        )
-        beta_dot = minimum.motions(across_dot - pushes[2].along(moved_hat))
-        mu_dot, found = lam_dot - hat_dot, Changes(*(np.zeros_like(x) for x in moved_hat))
-        terms = (
-            (nu, nu_dot, -zeta, copies(xi_dot) - eta_dot, pulls[1]),
-            (lam, hat_dot, -eta_nu, -eta_nu_dot, pulls[0]),
-            (mu, mu_dot, copies(beta), copies(beta_dot), pulls[2]),
-        )
-        for x, x_dot, xi, xi_change, pull in terms:
-            self._add_bends(row, x, x_dot[:, 0], xi, moved_hat, found)
-            pull.add_gradients(xi_change, found)
-        y_nu, y_lam = (
-            (wrenches.forces(x), wrenches.forces(x_dot) + pull.along(moved_hat))
-            for x, x_dot, pull in ((nu, nu_dot, pulls[1]), (lam, hat_dot, pulls[0]))
-        )
-        by_q, by_b = wrenches.gradients_along(y_nu, y_lam, moved_hat.q[:, 0], moved.b[:, 0])
-        to.q[:] += supports(self._system).collected(found.q - by_q[:, None], self._system.nq)
-        to.b[:] += found.b - by_b[:, None]
-        to.t[:] += found.t
-        return np.asarray(across_dot)
-
-    def _add_bends(
-        self, row: int, lam: Array, lam_dot: Array, xi: Array, moved: Changes, to: Changes
-    ) -> None:
-        """Add the change of the gradient of λᵀĴ ξ with all but ξ, by coordinates of its own for each joint."""
-        apart = separated(self._system)
-        q, curves = (
-            supports(self._system).copies(self._at.q[row]),
-            CurveLagrangian(apart, True, self._moving),
-        )
-        found = change_at(
-            apart, "place", float(self._at.t[row]), self._b, moved.b[:, 0], lam, np.zeros(len(lam)), lam_dot,
-            curves, float(moved.t[0]) if self._moving else 0.0, q=q, q_dot=moved.q[:, 0], xi=xi,
-        )  # fmt: skip
-        to.q[:, 0] += found.q
-        to.b[:, 0] += found.b
-        to.t[:] += found.t
 
     def _minimum(self, row: int) -> MinimumNorm | None:
         """Return the solver of minimum norm; None if all equations are independent."""

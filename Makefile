@@ -3,8 +3,8 @@
 PYTHON ?= python3
 ARGS   ?=
 
-.PHONY: install demo quick test slow others robots sundials bridges cluster browser dist wheel check docs format clean
+.PHONY: install demo quick test slow others robots bridges cluster browser dist wheel check docs format clean
 .NOTPARALLEL:
 
-install demo quick test slow others robots sundials bridges cluster browser dist wheel check docs format clean:
+install demo quick test slow others robots bridges cluster browser dist wheel check docs format clean:
 	@$(PYTHON) dev.py $@ $(ARGS)

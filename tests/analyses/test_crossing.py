@@ -98,13 +98,6 @@ def test_a_run_that_is_carried_over_such_positions_warns(times: object) -> None:
         assert not sr.simulate(flat, until=0.5, t_eval=[0.5], **given).warnings
 
 
-@pytest.mark.needs("sksundae")
-def test_ida() -> None:
-    flat = system("four_bars")
-    run = sr.simulate(flat, until=1.5, t_eval=TIMES, method=sr.IDA(rtol=1e-8, atol=1e-8))
-    assert error(2, run) < 1e-4
-
-
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT(step=0.5)])
 def test_states_that_are_wanted_at_such_a_position(method: object) -> None:
     """A parallelogram without forces, flat at t = 5 s: its constraints tell nothing of the way, nor of multipliers."""

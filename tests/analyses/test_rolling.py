@@ -211,12 +211,6 @@ def test_two_wheels_on_one_axle_repeat_each_other() -> None:
     assert np.allclose(ends, ends[2], atol=1e-5)
 
 
-@pytest.mark.needs("sksundae")
-def test_ida_agrees() -> None:
-    run = sr.simulate(leaning(0.3, OMEGA), until=1.0, t_eval=[1.0], method=sr.IDA(rtol=1e-9, atol=1e-11))
-    assert np.allclose(run.final.q[:3], coin(0.3, OMEGA, 1.0), atol=1e-7)
-
-
 def test_the_matrix_is_as_well_scaled_as_without_rolling() -> None:
     """However short the step is: entries of B do not grow with 1/h."""
     from sarrus.analyses.dynamics.methods.description import NONHOLONOMIC

@@ -19,7 +19,7 @@ def threads() -> set[int]:
 
 @pytest.fixture(autouse=True)
 def two_threads() -> Iterator[None]:
-    _libraries.cache_clear()  # a test before may have loaded another one, such as that of IDA
+    _libraries.cache_clear()  # a test before may have loaded another one
     with ThreadpoolController().limit(limits=2, user_api="blas"):
         if threads() != {2}:
             pytest.skip("this library of linear algebra has no threads")

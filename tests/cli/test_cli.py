@@ -218,11 +218,8 @@ def test_an_unexpected_error_is_one_sentence_and_with_debug_a_traceback(
     assert "Traceback" in capsys.readouterr().err
 
 
-IDA = pytest.param("ida", marks=pytest.mark.needs("sksundae"))
-
-
 @pytest.mark.one_in(4)
-@pytest.mark.parametrize("method", [IDA if method == "ida" else method for method in METHODS])
+@pytest.mark.parametrize("method", METHODS)
 def test_methods(method: str, capsys: pytest.CaptureFixture[str]) -> None:
     line = ["run", "slider_crank", "--until", "0.2", "--rtol", "1e-6", "--atol", "1e-8", "--method", method]
     assert main([*line, "--json", "-q"]) == 0

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -252,13 +251,12 @@ def test_values_just_before_and_just_after_an_event(method: object) -> None:
 
 
 @pytest.mark.parametrize("events", [(), BOUNCE])
-@pytest.mark.parametrize("method", [sr.ODE(), sr.IDA()])
-def test_methods_that_store_no_steps_are_refused(events: sr.Event, method: Any) -> None:
-    refused = rf"method: {type(method).__name__}\(\) stores no steps\. "
+def test_methods_that_store_no_steps_are_refused(events: sr.Event) -> None:
+    refused = r"method: ODE\(\) stores no steps\. "
     with pytest.raises(
         ValueError, match=rf"{refused}Choose HHT\(\), GeneralizedAlpha\(\), Radau\(\) or a description"
     ):
-        sr.simulate(ball(), until=1.0, events=events, store="steps", method=method)
+        sr.simulate(ball(), until=1.0, events=events, store="steps", method=sr.ODE())
 
 
 @pytest.mark.parametrize("function", [lambda t, q, v: float(q[2]), lambda t, q, v: np.fmod(q[2], 3.0)])

@@ -55,15 +55,11 @@ METHODS = {
     "generalized-α": (sr.GeneralizedAlpha(rtol=1e-9), 2e-5),
     "HHT, stabilized": (sr.HHT(stabilized=True, rtol=1e-9), 2e-5),
     "ODE": (sr.ODE(rtol=1e-11), 1e-8),
-    "IDA": (sr.IDA(rtol=1e-10), 1e-8),
 }  # fmt: skip
 
 
-IDA = pytest.param("IDA", marks=pytest.mark.needs("sksundae"))
-
-
 @pytest.mark.one_in(8)
-@pytest.mark.parametrize("method", [IDA if method == "IDA" else method for method in METHODS])
+@pytest.mark.parametrize("method", METHODS)
 def test_every_method_integrates_a_state(method: str) -> None:
     chosen, error = METHODS[method]
     run = sr.simulate(sr.System(motor()), until=1.0, method=chosen)

@@ -72,7 +72,7 @@ def test_samples_by_methods_of_order_two(method: Any) -> None:
 
 
 def test_a_method_without_stored_steps_is_refused() -> None:
-    for method in (3, sr.ODE(), sr.IDA()):
+    for method in (3, sr.ODE()):
         with pytest.raises(TypeError, match=r"Radau\(\) or a Description, got .* Leave it out for Radau"):
             stepper(method=method)
 

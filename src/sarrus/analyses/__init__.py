@@ -9,7 +9,6 @@ if TYPE_CHECKING:
     from .driven.kinematics import kinematics as kinematics
     from .driven.singular_configurations import singularities as singularities
     from .dynamics import HHT as HHT
-    from .dynamics import IDA as IDA
     from .dynamics import ODE as ODE
     from .dynamics import Event as Event
     from .dynamics import GeneralizedAlpha as GeneralizedAlpha

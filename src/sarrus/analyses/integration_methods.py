@@ -18,7 +18,6 @@ METHODS: dict[
     "hht": "HHT",
     "generalizedalpha": "GeneralizedAlpha",
     "ode": "ODE",
-    "ida": "IDA",
 }
 STORING_STEPS = ["radau", "hht", "generalizedalpha"]  # those with derivatives
 

@@ -3,14 +3,12 @@
 from .events.events import Event, Impact
 from .integrators.alpha import HHT, GeneralizedAlpha
 from .integrators.described import Radau
-from .integrators.ida import IDA
 from .integrators.ode import ODE
 from .recipe import repeat, resume
 from .simulation import simulate
 
 __all__ = [
     "HHT",
-    "IDA",
     "ODE",
     "Event",
     "GeneralizedAlpha",

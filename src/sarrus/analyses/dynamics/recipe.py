@@ -39,7 +39,6 @@ from .inputs.laws_of_time import Stops, stops_of
 from .integrators.alpha import HHT, GeneralizedAlpha
 from .integrators.described import DescribedMethod, Radau, StepMethod
 from .integrators.differentiable import Method, method_with_options
-from .integrators.ida import IDA
 from .integrators.ode import ODE
 from .run_options import Events, Limits, events_of, limits_of, listed_events, refuse_store
 from .sampled.control import Control
@@ -55,7 +54,7 @@ SHORTEST = 1e-100  # s: squares of shorter runs vanish
 STORED = {
     one.__name__: one
     for one in (
-        Assembly, AssemblyRequest, Event, Impact, Limits, HHT, GeneralizedAlpha, Radau, DescribedMethod, ODE, IDA
+        Assembly, AssemblyRequest, Event, Impact, Limits, HHT, GeneralizedAlpha, Radau, DescribedMethod, ODE
     )
 }  # fmt: skip
 Progress: TypeAlias = Callable[[float], None] | None
@@ -86,7 +85,7 @@ class Recipe:
 
     system: System
     start: Assembly
-    method: StepMethod | ODE | IDA
+    method: StepMethod | ODE
     settings: Settings
     plan: Plan
     arguments: dict[str, Any]
@@ -128,7 +127,7 @@ class Recipe:
         )  # fmt: skip
         plan = Plan(
             times, until, stops.all, stops.kinks, events, dense,
-            free=step is None and not isinstance(method, IDA),
+            free=step is None,
             budget=StepBudget(limits_of(given["limits"]).steps, min(max_step, step or np.inf), method),
             stored=store_steps,
             aside=stops.aside, behind=stops.behind, control=control,

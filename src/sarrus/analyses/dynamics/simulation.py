@@ -58,7 +58,7 @@ def simulate(
     until : end time [s], not the duration; the initial time is that of `start`, by default 0
     t_eval : output times, increasing, between the start and `until`; by default 1001 equidistant ones. The
         state at which a run ends earlier, by an event or otherwise, is its last output, too
-    method : `Radau` (the default), `HHT`, `GeneralizedAlpha`, `ODE`, `IDA`, or the `Description` of another method,
+    method : `Radau` (the default), `HHT`, `GeneralizedAlpha`, `ODE`, or the `Description` of another method,
         with its tolerances and step lengths, ``sr.Radau(rtol=1e-8, max_step=0.01)``: see `StepControl`
     events : an `Event` to be located, which may end the run or change velocities; a breakpoint, the number of a time
         [s] at which forces or motions are discontinuous, in addition to those of the model's tables; or a list of

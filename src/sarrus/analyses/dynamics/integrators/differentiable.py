@@ -8,11 +8,10 @@ from ...integration_methods import method_of
 from ..methods.description import Description
 from .alpha import HHT, GeneralizedAlpha
 from .described import DescribedMethod, Radau, StepMethod
-from .ida import IDA
 from .ode import ODE
 
 Differentiable: TypeAlias = str | HHT | GeneralizedAlpha | Radau | Description | DescribedMethod
-Method: TypeAlias = Differentiable | ODE | IDA
+Method: TypeAlias = Differentiable | ODE
 
 
 def differentiable(given: Differentiable | None, others: str = "", remedy: str = "") -> StepMethod:
@@ -34,9 +33,9 @@ def differentiable(given: Differentiable | None, others: str = "", remedy: str =
     return Radau() if given is None else given
 
 
-def method_with_options(given: Method | None) -> StepMethod | ODE | IDA:
+def method_with_options(given: Method | None) -> StepMethod | ODE:
     """The method of an option of `simulate`, by default Radau."""
     given = method_of(given)
-    if isinstance(given, ODE | IDA):
+    if isinstance(given, ODE):
         return given
-    return differentiable(given, ", ODE(), IDA()", 'For a solver of SciPy give ODE("DOP853").')
+    return differentiable(given, ", ODE()", 'For a solver of SciPy give ODE("DOP853").')

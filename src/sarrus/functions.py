@@ -28,6 +28,7 @@ from ._jit.formulas.functions import (
     tanh,
 )
 from ._jit.formulas.functions import step as _rounded_step
+from ._jit.formulas.roots import root
 
 abs, min, max = absolute, minimum, maximum
 
@@ -84,6 +85,7 @@ __all__ = [
     "positive",
     "rad",
     "ramp",
+    "root",
     "sign",
     "sin",
     "sqrt",

@@ -126,6 +126,21 @@ class Strained(Force, bodies=2, derivatives="automatic"):
         return size * (v.r_i + t * x.r_j), None, None, size * v.p_i
 
 
-OWN = (Swaying, Driven, Coupler, Tangle, Strained)
+class Implicit(Force, bodies=2, derivatives="automatic"):
+    """Q alone, of the root of an equation, in which another one has its own."""
+
+    k: Scalar
+
+    def Q(self, x, v, t):
+        def inner(u):
+            return f.root(lambda w: w + f.tanh(w) / 2 - u * x.p_j[1], u / 2)
+
+        u = f.root(
+            lambda u: 2 * u + f.sin(u - x.r_i[1]) / 2 + inner(u) / 8 - self.k * (v.r_j[0] + t), x.r_i[0]
+        )
+        return u * v.r_i + x.r_j, None, f.cos(u) * x.r_j, u * v.p_i
+
+
+OWN = (Swaying, Driven, Coupler, Tangle, Strained, Implicit)
 for _kind in OWN:
     del Element.registry[_kind.__name__]  # other tests and users see the built-in elements alone

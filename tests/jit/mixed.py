@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from tests.elements.own import OWN, Coupler, Driven, Strained, Tangle
+from tests.elements.own import OWN, Coupler, Driven, Implicit, Strained, Tangle
 
 from sarrus import model
 from sarrus.elements import BUILT_IN, Normalization
@@ -58,6 +58,7 @@ PLACES = {  # three and four bodies, some of them the ground, some met twice
     Coupler: (("a", "b", "a"), ("b", "ground", "c")),
     Tangle: (("a", "b", "c", "a"), ("b", "b", "a", "ground")),
     Strained: (("b", "a"), ("c", "ground")),
+    Implicit: (("a", "c"), ("ground", "b")),
 }
 
 

@@ -18,12 +18,15 @@ from sarrus._jit.formulas.curves import (
     curve_twist,
     curve_value,
 )
+from sarrus._jit.formulas.differentiate import jacobian
 from sarrus._jit.formulas.expression import Graph
 from sarrus._jit.formulas.functions import atan2, nearest, sqrt
 from sarrus._jit.formulas.program import program
+from sarrus._jit.formulas.replay import replay
 from sarrus._jit.kernels.compiled_functions import COMPILED
 
 STEP = 1e-200
+KEPLER = 0.6  # eccentricity of M = u - e sin u
 CURVE = np.array(
     [9.0, 9.0, 9.0, 3, -1, 0, 2, 3, 1, -2, 4, 3, 2, 1, -3, 5, 0.5, 0, 1, -1]
 )  # stored from place 3 on
@@ -212,3 +215,42 @@ def test_the_slope_of_tanh_does_not_cancel(x):
         assert found == pytest.approx(float(wanted), rel=1e-13)
     assert sech2(complex(x, STEP)).imag / STEP == pytest.approx(float(bend), rel=1e-13, abs=1e-15)
     assert curve_bend(stored, 2, x) == pytest.approx(float(bend), rel=1e-13, abs=1e-300)
+
+
+def anomaly(mean):
+    return functions.root(lambda u: u - KEPLER * functions.sin(u) - mean, mean)
+
+
+def test_roots_of_equations():
+    """For floats, complex steps and many digits, beside mpmath's own solver; arrays; what does not converge."""
+    with mpmath.workdps(40):
+        exact = mpmath.findroot(lambda u: u - KEPLER * mpmath.sin(u) - 1, 1)
+        assert abs(anomaly(mpmath.mpf(1)) - exact) < 1e-38
+    assert anomaly(1.0) == pytest.approx(float(exact), rel=2e-16)
+    slope = 1 / (1 - KEPLER * math.cos(exact))
+    assert anomaly(complex(1.0, STEP)).imag / STEP == pytest.approx(slope, rel=1e-14)
+    assert math.isnan(functions.root(lambda u: 1 + u * u, 0.3))
+
+
+def test_derivatives_of_a_recorded_root():
+    """Of the implicit function up to the third order, beside Taylor coefficients in many digits; not by the start."""
+    graph = Graph()
+    mean, start = graph.input("mean"), graph.input("start")
+    u = functions.root(lambda u: u - KEPLER * functions.sin(u) - mean, start)
+    found = [u]
+    for _ in range(3):
+        found.append(jacobian(graph, [found[-1]], [mean])[0, 0])
+    values = replay(graph, found, {("mean",): 1.0, ("start",): 0.5})
+    with mpmath.workdps(40):
+        exact = mpmath.taylor(anomaly, 1, 3)
+    assert values == pytest.approx([float(c * math.factorial(n)) for n, c in enumerate(exact)], rel=1e-12)
+    assert jacobian(graph, [u], [start])[0, 0] == 0
+
+
+def test_equations_that_have_no_root_in_formulas():
+    graph = Graph()
+    x = graph.input("x")
+    with pytest.raises(TypeError, match="smooth formula of its unknown"):
+        functions.root(lambda u: abs(u) - x, 1.0)
+    with pytest.raises(TypeError, match="does not depend on its unknown"):
+        functions.root(lambda u: x * x, 1.0)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .expression import Expression, Graph
-from .replay import needed
+from .replay import needed, replay
 from .surfaces import HIGHEST, ORDERS, surface_name
 
 
@@ -88,6 +88,14 @@ def _of_surface(i: int, j: int) -> Any:
     )
 
 
+def _root(u: Expression, start: Expression, *x: Expression) -> tuple[Any, ...]:
+    """-g_x/g_u of the equation that u solves; the start has no influence."""
+    equation = u.graph.nodes[u.id].value
+    slopes = [equation.graph.at(place) for place in equation.results[1:]]
+    by_u, *by_x = replay(slopes[0].graph, slopes, equation.inputs(u, x))
+    return 0, *(-slope / by_u for slope in by_x)
+
+
 PARTIALS: dict[str, Any] = {
     "add": lambda f, a, b: (1, 1),
     "sub": lambda f, a, b: (1, -1),
@@ -108,6 +116,7 @@ PARTIALS: dict[str, Any] = {
     "atan2": _atan2,
     "nearest": lambda f, a: (0,),
     "positive": lambda f, a: (0,),
+    "root": _root,
     "curve": lambda f, at, x: (0, at.call("curve_slope", x)),
     "curve_slope": lambda f, at, x: (0, at.call("curve_bend", x)),
     "curve_bend": lambda f, at, x: (0, at.call("curve_twist", x)),

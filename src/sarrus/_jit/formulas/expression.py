@@ -7,7 +7,7 @@ That list is what `emit` compiles.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
 from typing import Any, NamedTuple
 
@@ -25,12 +25,32 @@ class Node(NamedTuple):
     value: Any = None
 
 
+class Equation(NamedTuple):
+    """An equation g(u, x) = 0 for u: operations, the places of g, g_u and all g_x among them, and the scale of u."""
+
+    nodes: tuple[Node, ...]
+    results: tuple[int, ...]
+    scale: float
+
+    @property
+    def graph(self) -> Graph:
+        """The operations, of inputs ``("u",)`` and ``("x", n)``."""
+        graph = Graph()
+        graph.nodes.extend(self.nodes)
+        return graph
+
+    def inputs(self, u: Any, x: Sequence[Any]) -> dict[tuple[Any, ...], Any]:
+        """Values of the inputs by their names."""
+        return {("u",): u} | {("x", n): value for n, value in enumerate(x)}
+
+
 class Graph:
     """The operations recorded so far, in the order of their creation; equal operations share one node."""
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
         self.kinked: list[bool] = []  # whether a node depends on the sign of another
+        self.smooth = False  # whether what is recorded has no corner, as the equation of a root
         self._known: dict[Node, int] = {}
 
     def node(self, op: str, *args: Expression, value: Any = None) -> Expression:
@@ -41,6 +61,10 @@ class Graph:
             self.nodes.append(key)
             self.kinked.append(op == "positive" or any(self.kinked[arg.id] for arg in args))
         return Expression(self, self._known[key])
+
+    def at(self, place: int) -> Expression:
+        """The expression of a node."""
+        return Expression(self, place)
 
     def constant(self, value: Any) -> Expression:
         """The expression of a number."""
@@ -186,7 +210,7 @@ class Expression:
 
     def _beside_zero(self) -> Expression:
         """This, and a tiny number in place of zero: powers of a base that stays zero have slopes along it, of zero."""
-        return self + TINY * (1 - self.call("positive"))
+        return self if self.graph.smooth else self + TINY * (1 - self.call("positive"))
 
     @property
     def _kinked(self) -> bool:

@@ -16,6 +16,13 @@ import numpy as np
 
 from .expression import Expression
 
+CLOSE = 1e-8  # of a root and its scale: a step of Newton's method that leaves an error of round-off
+ROOT_STEPS, AFTERWARDS = (
+    50,
+    6,
+)  # at most; and those after a step that is close, of numbers with more than a float
+SHORT = 1e-7  # of a root's scale: a difference for slopes
+
 
 def real(x: Any) -> float:
     """The real part, as a plain number."""
@@ -117,6 +124,29 @@ def step(x: Any, x0: Any, h0: Any, x1: Any, h1: Any) -> Any:
     """h0 up to x0 and h1 from x1 on, between them the cubic with level ends."""
     s = minimum(ramp((x - x0) / (x1 - x0)), 1)
     return h0 + (h1 - h0) * (s * s * (3 - 2 * s))
+
+
+def newton(g: Callable[[Any], Any], start: Any, scale: float) -> Any:
+    """The number u with g(u) = 0 by Newton's method, for numbers of any kind, or arrays; see `roots`.
+
+    Slopes are differences, so that errors, also those of derivatives that numbers carry, decrease by `SHORT` each time.
+    """
+    u, left = start, ROOT_STEPS
+    while left:
+        value = g(u)
+        slope = (g(u + SHORT * scale) - value) / (SHORT * scale)
+        change = value / slope
+        u, left = u - change, left - 1
+        if left >= AFTERWARDS and _size(change) <= CLOSE * (scale + _size(u)):
+            left = AFTERWARDS
+        elif left == AFTERWARDS:
+            return u * math.nan
+    return u
+
+
+def _size(x: Any) -> float:
+    """The largest absolute value of numbers."""
+    return float(np.max(np.abs(np.asarray(getattr(x, "value", x)))))
 
 
 NUMERIC: dict[str, Callable[..., Any]] = {

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from .expression import Graph
-from .functions import NUMERIC
+from .expression import Equation, Expression, Graph
+from .functions import NUMERIC, newton
 from .surfaces import ORDERS
 
 CURVES: dict[str, Callable[..., Any]] = {
@@ -63,6 +64,8 @@ def replay(
         op, args, value = graph.nodes[identity]
         if op == "input":
             values[identity] = inputs[value]
+        elif op == "root":
+            values[identity] = root_again(value, operations, *map(values.__getitem__, args))
         else:
             values[identity] = operations[op](
                 *([value] if op == "constant" else map(values.__getitem__, args))
@@ -70,22 +73,35 @@ def replay(
     return [values[expression.id] for expression in wanted]
 
 
+def root_again(equation: Equation, operations: Mapping[str, Callable[..., Any]], start: Any, *x: Any) -> Any:
+    """The root of a recorded equation for numbers of any kind: recorded, or found by Newton's method."""
+    recorded = next((one for one in (start, *x) if isinstance(one, Expression)), None)
+    if recorded is not None:
+        graph = recorded.graph
+        return graph.node("root", *graph.expressions([start, *x]), value=equation)
+    g = equation.graph.at(equation.results[0])
+    return newton(lambda u: replay(g.graph, [g], equation.inputs(u, x), operations)[0], start, equation.scale)
+
+
 def function_of(
     graph: Graph, wanted: Sequence[Any], known: Mapping[int, str]
 ) -> Callable[..., tuple[Any, ...]]:
     """Recorded expressions as a Python function, for arrays, of nodes that are known, by the names of its arguments."""
     wanted, lines = graph.expressions(wanted), [f"def function({', '.join(known.values())}):"]
+    scope: dict[str, Any] = dict(ARRAYS)
     for identity in needed(graph, wanted):
         op, args, value = graph.nodes[identity]
         terms = [f"n{arg}" for arg in args]
         if identity in known or op == "constant":
             term = known.get(identity) or repr(float(value))
+        elif op == "root":
+            scope[f"root{identity}"] = partial(root_again, value, ARRAYS)
+            term = f"root{identity}({', '.join(terms)})"
         elif op == "neg":
             term = f"-{terms[0]}"
         else:
             term = f" {SIGNS[op]} ".join(terms) if op in SIGNS else f"{op}({', '.join(terms)})"
         lines.append(f"    n{identity} = {term}")
-    scope: dict[str, Any] = dict(ARRAYS)
     exec("\n".join([*lines, f"    return ({' '.join(f'n{x.id},' for x in wanted)})"]), scope)
     function: Callable[..., tuple[Any, ...]] = scope["function"]
     return function

@@ -9,10 +9,12 @@ side by side; elements' numbers are the same in all lanes.
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,7 +23,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from ..formulas.expression import Expression, Graph
+from ..formulas.expression import Equation, Expression, Graph, Node
+from ..formulas.functions import CLOSE, ROOT_STEPS
 from .compiled_functions import COMPILED, READS_NUMBERS
 from .vector import INT, REAL, Vector
 
@@ -61,8 +64,8 @@ class Recording:
 class Emitter:
     """Emits the nodes of a graph on demand, in the order in which the outputs need them."""
 
-    def __init__(self, recording: Recording, context: Any, inputs: Inputs) -> None:
-        self.nodes = recording.graph.nodes
+    def __init__(self, nodes: Sequence[Node], context: Any, inputs: Inputs | RootInputs) -> None:
+        self.nodes = nodes
         self.context, self.builder, self.inputs = context, inputs.builder, inputs
         self.numbers, self.vector = inputs.arguments.all_numbers, inputs.arguments.vector
         self.values: dict[int, Any] = {}
@@ -103,6 +106,11 @@ class Emitter:
                 return builder.fneg(*args, flags=flags)
             case "sqrt":
                 return self.vector.sqrt(builder, *args)
+            case "root":
+                function = root_function(builder.module, self.context, node.value)
+                return self.vector.each(
+                    builder, args, lambda own: builder.call(function, [self.numbers, *own])
+                )
             case function:
                 return self.vector.each(builder, args, partial(self._call, function))
 
@@ -118,6 +126,53 @@ class Emitter:
         compiled = self.context.compile_subroutine(self.builder, COMPILED[function], signature)
         _, result = self.context.call_internal_no_propagate(self.builder, compiled.fndesc, signature, args)
         return result
+
+
+class RootInputs:
+    """What an equation takes: the unknown, and numbers that stay the same."""
+
+    def __init__(self, builder: Any, unknown: Any, numbers: Any, x: Sequence[Any]) -> None:
+        self.builder, self.unknown, self.x = builder, unknown, x
+        self.arguments = SimpleNamespace(all_numbers=numbers, vector=Vector(1))
+
+    def __call__(self, name: tuple[Any, ...]) -> Any:
+        return self.unknown if name[0] == "u" else self.x[name[1]]
+
+
+def root_function(module: Any, context: Any, equation: Equation) -> Any:
+    """The function of all numbers, a start and x that solves an equation by Newton's method, emitted once."""
+    name = f"sarrus.root.{hashlib.sha256(repr(equation).encode()).hexdigest()[:16]}"
+    if name in module.globals:
+        return module.globals[name]
+    count = sum(node.op == "input" and node.value[0] == "x" for node in equation.nodes)
+    kinds = [REAL.as_pointer(), REAL, *[REAL] * count]
+    function = ir.Function(module, ir.FunctionType(REAL, kinds), name)
+    function.linkage = "internal"
+    function.attributes.add("noinline")
+    numbers, start, *x = function.args
+    entry, step, again, found, lost = (
+        function.append_basic_block(word) for word in ("entry", "step", "again", "found", "lost")
+    )
+    ir.IRBuilder(entry).branch(step)
+    builder = ir.IRBuilder(step)
+    u, n = builder.phi(REAL), builder.phi(INT)
+    emitter = Emitter(equation.nodes, context, RootInputs(builder, u, numbers, x))
+    g, by_u = (emitter.value(equation.graph.at(place)) for place in equation.results[:2])
+    change = builder.fdiv(g, by_u)
+    closer, left = builder.fsub(u, change), builder.sub(n, INT(1))
+    size = module.declare_intrinsic("llvm.fabs.f64", (), ir.FunctionType(REAL, [REAL]))
+    largest = builder.fadd(REAL(equation.scale), builder.call(size, [closer]))
+    limit = builder.fmul(REAL(CLOSE), largest)
+    close = builder.fcmp_ordered("<=", builder.call(size, [change]), limit)
+    builder.cbranch(close, found, again)
+    for phi, first, later in ((u, start, closer), (n, INT(ROOT_STEPS), left)):
+        phi.add_incoming(first, entry)
+        phi.add_incoming(later, again)
+    after = ir.IRBuilder(again)
+    after.cbranch(after.icmp_signed(">", left, INT(0)), step, lost)
+    ir.IRBuilder(found).ret(closer)
+    ir.IRBuilder(lost).ret(REAL(math.nan))
+    return function
 
 
 def _function(module: Any, recording: Recording, operands: Sequence[Any]) -> Any:
@@ -197,7 +252,7 @@ def _emit_loop(
 
 def _emit_element(context: Any, recording: Recording, inputs: Inputs) -> None:
     """All outputs of one element, block by block."""
-    emitter, arguments = Emitter(recording, context, inputs), inputs.arguments
+    emitter, arguments = Emitter(recording.graph.nodes, context, inputs), inputs.arguments
     for output, place, result in zip(recording.outputs, arguments.places, arguments.results, strict=True):
         at = inputs.pointer(place, 2 * len(output.blocks))
         for n, block in enumerate(output.blocks):

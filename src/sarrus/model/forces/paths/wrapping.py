@@ -29,7 +29,7 @@ from .... import functions
 from ....algebra import Array, Row, cross
 from ....elements.element import Scalar
 from ....euler import B, E, rotate
-from ....functions import atan2, cos, nearest, sin, sqrt
+from ....functions import atan2, cos, sin, sqrt
 from ...errors import ModelError
 from ...geometry.points import LocalPoint, Point
 from ...geometry.pose import Poses
@@ -39,9 +39,7 @@ from ...signals import Measure
 
 TINY = 1e-60  # [m²] keeps derivatives finite where a length is zero
 PARALLEL = 1e-24  # square of the sine of the angle below which a plane is not determined by two directions
-FINENESS = 2.0**30  # of the cotangents at which Newton's method is continued with derivatives
 NEAR = 1e-6  # square of θ/(1 - r/d)² below which the point of the ring is found without the plane of p and q
-STEPS = 5, 2  # of Newton's method: up to 1e-8 from any start, and two more, exact up to third derivatives
 
 
 class Detour(NamedTuple):
@@ -169,18 +167,11 @@ class Corner(NamedTuple):
     def _cotangent(self, ratios: list[Any], bent: Any) -> Any:
         """The cotangent of the angle of incidence, which is exact for equal ratios without iteration.
 
-        The number is rounded before the last steps of Newton's method, which makes it a constant: the derivatives of
-        the first steps would be those of the start. These of the last two are those of the solution. Where the path is
-        not bent, θ is replaced by another.
+        Where the path is not bent, θ is replaced by another.
         """
         angle = bent * self.angle + (1 - bent) * (self.angle - self.turn) / 2
-        found = (cos(angle / 2) - (ratios[0] + ratios[1]) / 2) / sin(angle / 2)
-        for steps in STEPS:
-            found = nearest(found * FINENESS) / FINENESS if steps == STEPS[-1] else found
-            for _ in range(steps):
-                excess = sum(_part(ratio, found) for ratio in ratios) - angle
-                found = found - excess / sum(_part_slope(ratio, found) for ratio in ratios)
-        return found
+        start = (cos(angle / 2) - (ratios[0] + ratios[1]) / 2) / sin(angle / 2)
+        return functions.root(lambda u: sum(_part(ratio, u) for ratio in ratios) - angle, start)
 
 
 def _between(e: Array, f: Array, ratios: list[Any], near: Any) -> Array:
@@ -225,12 +216,6 @@ def _part(ratio: Any, cotangent: Any) -> Any:
     """ψ for r/d and the cotangent of i."""
     sine = ratio / sqrt(1 + cotangent * cotangent)
     return atan2(1, cotangent) - atan2(sine, sqrt(1 - sine * sine))
-
-
-def _part_slope(ratio: Any, cotangent: Any) -> Any:
-    """The derivative of ψ to the cotangent of i."""
-    square = 1 + cotangent * cotangent
-    return (ratio * cotangent / sqrt(square - ratio * ratio) - 1) / square
 
 
 Passage: TypeAlias = Literal["shorter", "side", "through", "moving"]

@@ -5,12 +5,13 @@ import pytest
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.equations.block_matrix import PRECISE, PlacedMatrix, motion_matrix
+from sarrus.analyses.equations.block_matrix import PRECISE, PlacedMatrix
+from sarrus.analyses.equations.motion import KKTMatrix
 from sarrus.results import State
 
 
 def matrix_of(system: sr.System, q: np.ndarray) -> PlacedMatrix:
-    matrix = motion_matrix(system)
+    matrix = KKTMatrix(system)
     for name in ("M", "Phi_q"):
         matrix.numbers.evaluate((name,), system.b, {"t": 0.0, "q": q})
     return matrix

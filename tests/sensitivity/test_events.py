@@ -11,7 +11,7 @@ from tests.sensitivity.test_references import FOLDER
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.equations.motion import Saddle
+from sarrus.analyses.equations.motion import KKTMatrix
 from sarrus.analyses.sensitivity.events import first_order
 from sarrus.linalg.factors import SingularSystem
 from sarrus.model.written import with_numbers
@@ -411,14 +411,13 @@ def test_events_that_are_not_there(response: sr.AtEvent, told: str) -> None:
 
 @pytest.mark.parametrize("name", ["slider_crank", "hmmwv"])
 def test_the_matrix_of_an_event_is_solved_for_many_columns_at_once(name: str) -> None:
-    """Dense factors of a small system, sparse ones of a large one."""
     system = sr.System(sr.load(sr.mechanisms.path(name)))
-    saddle, rng = Saddle(system, "M"), np.random.default_rng(1)
-    saddle.factor(system.M(system.q0).data, system.Phi_q(system.q0).data)
+    kkt, rng = KKTMatrix(system), np.random.default_rng(1)
+    kkt.factor_at(system.b, 0.0, system.q0)
     f, g = rng.normal(size=(system.nq, 5)), rng.normal(size=(system.m, 5))
-    x, y = saddle.solve(f, g)
+    x, y = kkt.solve_pair(f, g)
     for n in range(5):
-        for column, alone in zip((x[:, n], y[:, n]), saddle.solve(f[:, n], g[:, n]), strict=True):
+        for column, alone in zip((x[:, n], y[:, n]), kkt.solve_pair(f[:, n], g[:, n]), strict=True):
             assert column == pytest.approx(alone, rel=1e-9, abs=1e-12 * abs(alone).max())
 
 

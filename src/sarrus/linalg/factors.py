@@ -15,7 +15,7 @@ DENSE_BELOW = 150  # unknowns, where LAPACK is faster than sparse factors
 
 
 class SingularSystem(ArithmeticError):
-    """The constraints are dependent here, or a body has no inertia along a free direction."""
+    """A matrix has no inverse: constraints are dependent, or a body has no inertia along a free direction."""
 
 
 class LUFactors:

@@ -14,6 +14,7 @@ from scipy.sparse.linalg import splu
 from .._jit.linking.link import link
 from ..algebra import Array
 from . import pivot_order, sparse_lu
+from .factors import SingularSystem
 from .pivot_order import LARGE
 from .rank import DEPENDENT
 
@@ -22,7 +23,7 @@ SMALL = 3000  # unknowns, up to which pivots are chosen by Markowitz's rule: its
 SPARSE = 2.0  # factors as a multiple of the matrix: where they are smaller, no other ordering is tried
 
 
-class SingularMatrix(ArithmeticError):
+class SingularMatrix(SingularSystem):
     """The matrix has no inverse."""
 
 

@@ -435,22 +435,3 @@ def leave_out(Phi_q: Array, row_of: Array, left_out: Array) -> None:
     """Equations that are left out have no gradient."""
     for k in range(len(Phi_q)):
         Phi_q[k] *= 1.0 - left_out[row_of[k]]
-
-
-def motion_matrix(system: System, host: PlacedMatrix | None = None) -> PlacedMatrix:
-    """That of the equations of motion, [M, Φ_qᵀ; Φ_q, 0], with a 1 for every equation left out.
-
-    A matrix whose pattern contains it may be its `host`.
-    """
-    numbers = Numbers(system, ("M", LEFT_OUT, "Phi_q"))
-    return PlacedMatrix(numbers, system.nq + system.m, motion_parts(system.nq), host=host)
-
-
-def motion_parts(nq: int) -> list[Part]:
-    """Where operators stand in it."""
-    return [
-        Part("M", 0, 0),
-        Part(LEFT_OUT, nq, nq),
-        Part("Phi_q", nq, 0),
-        Part("Phi_q", 0, nq, transposed=True),
-    ]

@@ -19,8 +19,9 @@ from ...linalg.factors import DENSE_BELOW
 from ...linalg.rank import DEPENDENT
 from ...model.coordinates import POSITION
 from ...system import System
+from .block_matrix import UNIT
 from .joint_wrenches import Supports, Wrenches, supports
-from .motion import Saddle
+from .motion import KKTMatrix
 from .nullspace import NullSpace
 
 ROUNDING = np.finfo(float).eps
@@ -41,7 +42,7 @@ class MinimumNorm:
 
     def __init__(self, system: System, rows: Array) -> None:
         self._nq, self._m = system.nq, system.m
-        self._saddle = Saddle(system, "I", rows)
+        self._kkt = KKTMatrix(system, UNIT, rows)
         self.dropped = np.setdiff1d(np.arange(system.m), rows)
         self._small = system.nq < DENSE_BELOW
 
@@ -53,7 +54,7 @@ class MinimumNorm:
         SingularSystem
             If the equations chosen are dependent there.
         """
-        self._saddle.factor(np.ones(self._nq), J.data)
+        self._kkt.factor_with(J.data)
         found = -self.forces(J.toarray()[self.dropped].T if self._small else J[self.dropped].toarray().T)
         found[self.dropped, np.arange(len(self.dropped))] = 1
         return found
@@ -68,11 +69,11 @@ class MinimumNorm:
 
     def forces(self, f: Array) -> Array:
         """Multipliers of the equations chosen whose constraint forces come nearest to f, (nq, k) -> (m, k)."""
-        return self._saddle.solve(f, np.zeros((self._m, f.shape[1])))[1]
+        return self._kkt.solve_pair(f, np.zeros((self._m, f.shape[1])))[1]
 
     def motions(self, g: Array) -> Array:
         """The least ξ with Φ_q ξ = g in the equations chosen, (m, k) -> (nq, k)."""
-        return self._saddle.solve(np.zeros((self._nq, g.shape[1])), g)[0]
+        return self._kkt.solve_pair(np.zeros((self._nq, g.shape[1])), g)[0]
 
 
 class MinimumNormChoice(NamedTuple):

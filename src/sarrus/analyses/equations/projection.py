@@ -12,8 +12,9 @@ from ...linalg.rank import DEPENDENT, rows_of_entries
 from ...system import System
 from ...system.layout import Layout
 from ..arguments import kind
+from .block_matrix import UNIT
 from .length import lever, row_sizes, unit_displacement
-from .motion import Saddle
+from .motion import KKTMatrix
 from .nullspace import scaled_rows
 
 ROUND_OFF = 16 * np.finfo(float).eps  # of the terms of an equation before they cancel, |Φ_q| |q|
@@ -142,25 +143,21 @@ class Projection:
     """
 
     def __init__(self, system: System, b: Array | None = None, rows: Array | None = None) -> None:
-        self._system = system
+        self._system, self._nothing = system, np.zeros(system.nq)
         self._b = system.b if b is None else b
         self.keep(rows)
-        self._group = system.group("Phi_q")
-        self._weight, self._nothing = np.ones(system.nq), np.zeros(system.nq)
-        (self._Phi_q,) = self._group.allocate()
 
     def keep(self, rows: Array | None) -> None:
         """Go on with another choice of independent equations."""
-        self._saddle = Saddle(self._system, "I", rows)
+        self._kkt = KKTMatrix(self._system, UNIT, rows)
 
     def __call__(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
         """The projected q and v."""
-        self._group.run(self._b, t, q, self._Phi_q)
-        self._saddle.factor(self._weight, self._Phi_q)
+        self._kkt.factor_at(self._b, t, q)
         for _ in range(STEPS):
             residual = self._system.Phi(q, t, b=self._b)
             if abs(residual).max(initial=0.0) <= TOLERANCE:
                 break
-            q = q + self._saddle.solve(self._nothing, -residual)[0]
+            q = q + self._kkt.solve_pair(self._nothing, -residual)[0]
         residual = self._system.Phi_q_xi(q, v, t, b=self._b) + self._system.Phi_t(q, t, b=self._b)
-        return q, v + self._saddle.solve(self._nothing, -residual)[0]
+        return q, v + self._kkt.solve_pair(self._nothing, -residual)[0]

@@ -10,13 +10,13 @@ import numpy as np
 from scipy.linalg import eigh
 
 from ...algebra import Array
-from ...linalg.sparse_solver import SingularMatrix
+from ...linalg.factors import SingularSystem
 from ...model import SarrusError
 from ...system import System
 from ..dynamics.time_loop.nearness import rank_changes
-from ..equations.block_matrix import PRECISE, PlacedMatrix, motion_matrix
 from ..equations.length import lever
 from ..equations.minimum_norm import least_multipliers
+from ..equations.motion import KKTMatrix
 from ..equations.nullspace import NullSpace
 from ..equations.states_at_rest import at_rest, by_position, places, states_last
 from ..redundancy.redundant_constraints import Independence
@@ -38,7 +38,7 @@ def independent_at(system: System, q: Array, t: float) -> Array | None:
     return choice.rows
 
 
-def matrix_at(system: System, q: Array, t: float, b: Array, rows: Array | None) -> PlacedMatrix:
+def matrix_at(system: System, q: Array, t: float, b: Array, rows: Array | None) -> KKTMatrix:
     """Return the matrix with pivots for a state and independent equations (rows, None for all).
 
     Raises
@@ -46,13 +46,10 @@ def matrix_at(system: System, q: Array, t: float, b: Array, rows: Array | None) 
     SarrusError
         In a singular configuration.
     """
-    matrix = motion_matrix(system)
-    matrix.numbers.keep(rows)
-    for name in ("M", "Phi_q"):
-        matrix.numbers.evaluate((name,), b, {"t": t, "q": q})
+    matrix = KKTMatrix(system, rows=rows)
     try:
-        matrix.factor(PRECISE)
-    except (SingularMatrix, ValueError):
+        matrix.factor_at(b, t, q)
+    except (SingularSystem, ValueError):
         raise singular(system, t) from None
     return matrix
 

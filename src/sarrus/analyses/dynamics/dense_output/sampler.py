@@ -14,8 +14,9 @@ from ....linalg.sparse_solver import SingularMatrix
 from ....system import System
 from ....system.cached import once_alike
 from ....system.curves.curve_potentials import curve_potentials
-from ...equations.block_matrix import PRECISE, PlacedMatrix, motion_matrix
+from ...equations.block_matrix import PRECISE, PlacedMatrix
 from ...equations.minimum_norm import left_out
+from ...equations.motion import KKTMatrix
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.entries import entry_of
 from ..stepping.nodes import Nodes
@@ -88,7 +89,7 @@ class Sampler(FactoredPart):
         apart: bool = False,
     ) -> None:
         self.system, self.independence, self.b, self.apart = system, copy(independence), b.copy(), apart
-        self.matrix = motion_matrix(system, host)
+        self.matrix = KKTMatrix(system, host=host)
         self.matrix.numbers.keep(independence.rows)
         self._entries, self._work = motion_entries(system), motion_work(system)
         self._sample = link(loop.sample)

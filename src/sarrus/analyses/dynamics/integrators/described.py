@@ -15,8 +15,9 @@ from ....linalg.factors import SingularSystem
 from ....linalg.sparse_solver import SingularMatrix
 from ....results import Assembly, StepsTaken
 from ....system import System
-from ...equations.block_matrix import PRECISE, Numbers, PlacedMatrix, motion_matrix
+from ...equations.block_matrix import PRECISE, Numbers, PlacedMatrix
 from ...equations.length import extent, kinematic_weights
+from ...equations.motion import KKTMatrix
 from ...equations.paired_matrix import PairedMatrix, none_paired
 from ...equations.projection import round_off_of
 from ..dense_output.sample_loop import MotionSolver
@@ -185,7 +186,7 @@ class DescribedStepper(FactoredPart):
         numbers = Numbers(system, of_matrix.names, of_matrix.like)
         self.matrix = PlacedMatrix(numbers, of_matrix.n, of_matrix.parts)
         self._pair = PairedMatrix(self.matrix, of_matrix.parts) if self._split else None
-        self._of_motion = motion_matrix(system)
+        self._of_motion = KKTMatrix(system)
         self._keep(self.independence.rows)
         self._advance = link(loop.advance)
         self._entries, self._remembered = kernels_of(system, self.scheme), entry_of(system, "remembered")

@@ -16,9 +16,10 @@ from ....results import StepsTaken
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...dynamics.methods.equations import GROUPS
-from ...equations.block_matrix import LEFT_OUT, Numbers, Part, PlacedMatrix, motion_parts
+from ...equations.block_matrix import LEFT_OUT, Numbers, Part, PlacedMatrix
 from ...equations.joined_operators import CurveTerms, TwoSidedMatrix
 from ...equations.length import extent
+from ...equations.motion import motion_parts
 
 BY_NUMBERS = ("M_a_b", "Phi_qT_lam_b", "Q_b", "S_b", "Phi_q_xi_b", "gamma_b")
 ALONE = ("Phi_q_xi_q", "gamma_q", "gamma_v", *BY_NUMBERS)  # operators that no group has

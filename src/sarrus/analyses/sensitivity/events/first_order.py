@@ -34,7 +34,7 @@ from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ....system.curves.time_derivatives import timed
 from ...dynamics.events.switching_functions import Corner
-from ...equations.motion import Saddle
+from ...equations.motion import KKTMatrix
 from ..chain.chain import SegmentChain
 from ..sampling.sampling import apart, interpolation
 from .functions import TapeValues, recorded
@@ -212,25 +212,24 @@ class EventDerivatives:
 
     def _solve_multipliers(self, stored: Array | None) -> None:
         system, event, b = self.system, self.event, self.b
-        saddle, none = Saddle(system, "M", stored), np.zeros(system.m)
+        kkt, none = KKTMatrix(system, rows=stored), np.zeros(system.m)
         M0 = system.M(self.q0, b=b)
         self._unit = float(abs(M0.data).max(initial=0.0)) or 1.0
-        saddle.factor(M0.data, system.Phi_q(self.q0, event.t, b=b).data)
+        kkt.factor_at(b, event.t, self.q0)
         self.sigma, self.rho = (
-            saddle.solve(-(M0 @ moved), none)[1] for moved in (event.q - self.q0, event.v - self.v0)
+            kkt.solve_pair(-(M0 @ moved), none)[1] for moved in (event.q - self.q0, event.v - self.v0)
         )
         self.base, self.after, self.Lam, self.p = event.v, event.v, none, 0.0
         if self.is_impact or self.is_reset:
-            J = system.Phi_q(event.q, event.t, b=b)
-            saddle.factor(system.M(event.q, b=b).data, J.data)
+            kkt.factor_at(b, event.t, event.q)
         if self.is_impact:
             f_q, e = self.output.slopes.q[0], float(event.restitution or 0.0)
-            w, sigma = saddle.solve(f_q, none)
+            w, sigma = kkt.solve_pair(f_q, none)
             self.p = -(1 + e) * self._approach / float(f_q @ w)
             self.after, self.Lam = event.v + self.p * w, self.p * sigma
         elif self.is_reset:
-            gap = J @ event.after + system.Phi_t(event.q, event.t, b=b)
-            s, sigma = saddle.solve(np.zeros(system.nq), gap)
+            gap = system.Phi_q_xi(event.q, event.after, event.t, b=b) + system.Phi_t(event.q, event.t, b=b)
+            s, sigma = kkt.solve_pair(np.zeros(system.nq), gap)
             self.base, self.after, self.Lam = event.after, event.after - s, -sigma
 
     @cached_property

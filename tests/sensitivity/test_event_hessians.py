@@ -168,6 +168,29 @@ def test_what_a_hessian_leaves_at_a_stop_falls_with_the_cube(method: object) -> 
 
 
 @pytest.mark.slow
+def test_the_time_at_which_a_driver_needs_a_torque() -> None:
+    """F(t, m, g) = 3 (0.1 + m / 4) - m g cos(1.5 t²) / 2 - 6 = 0, of a motor that lifts an arm."""
+    arm = sr.Body("arm", mass=2.0, inertia=(0.1, 0.1, 0.1), position=(0.5, 0, 0))
+    pin = sr.Revolute("pin", sr.ground, arm, point=(0, 0, 0), axis=(0, 1, 0))
+    motor = sr.AngleDriver("motor", "pin", "1.5*t^2")
+    crane = sr.System(sr.Model("crane", bodies=[arm], joints=[pin], drivers=[motor], gravity=(0, 0, -9.81)))
+    event = sr.Event("motor.torque.y - 6", terminal=True, name="strong")
+    settings = {"store": "steps", "method": sr.Radau(rtol=1e-9, atol=1e-11)}
+    run = sr.simulate(crane, until=2.0, events=event, **settings)
+    found = sr.hessian(run, sr.AtEvent("t", event="strong"), ["arm.mass", "gravity.z"]).matrix
+    t, m, g = run.events[0].t, 2.0, 9.81
+    cosine, rate = np.cos(1.5 * t * t), 3 * t * np.sin(1.5 * t * t)
+    by = np.array([0.75 - g * cosine / 2, -m * cosine / 2])
+    by_t, by_tt = m * g * rate / 2, m * g / 2 * (3 * np.sin(1.5 * t * t) + 9 * t * t * cosine)
+    mixed, cross = np.array([g * rate / 2, m * rate / 2]), np.array([[0, -cosine / 2], [-cosine / 2, 0]])
+    slope = -by / by_t
+    wanted = (
+        -(cross + np.outer(mixed, slope) + np.outer(slope, mixed) + by_tt * np.outer(slope, slope)) / by_t
+    )
+    assert found == pytest.approx(wanted * np.array([[1, -1], [-1, 1]]), rel=1e-6)
+
+
+@pytest.mark.slow
 def test_an_impact_in_a_linkage_with_equations_that_others_imply() -> None:
     system = sr.System(sr.load(kinds.EXAMPLES / "bricard.yaml"))
     hit = sr.Event("rod_1.z + 0.062", direction=-1, reset=sr.Impact(0.5), name="hit")

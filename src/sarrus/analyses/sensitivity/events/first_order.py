@@ -39,6 +39,7 @@ from ..chain.chain import SegmentChain
 from ..sampling.sampling import apart, interpolation
 from .functions import TapeValues, recorded
 from .infinite_slopes import EndOfLaw
+from .reactions import recorded_solved, solves
 
 STEPS = 16  # before a corner at which slopes become infinite, whose state at their end follows the corner
 # of the tolerance of the steps: an event whose function goes no farther below zero only grazes
@@ -134,6 +135,8 @@ class EventDerivatives:
     def recorded(self, function: Any, copies: int = 1, at: EventStep | None = None) -> TapeValues:
         """A function of the event, recorded at its state, or at another one."""
         event = at or self.event
+        if isinstance(function, str) and solves(self.system, function):
+            return recorded_solved(self.system, self._steps, event, function, self.b, self._angles)
         return recorded(self.system, event, function, self.b, self._angles, copies)
 
     def _interpolate(self) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....model.tape import Tape, Tracer
-from ....outputs import Level, Outputs, find_output
+from ....outputs import Outputs
 from ....outputs.output import formula_of
 from ....outputs.recording import Angles, Key, States, Variable
 from ....results import EventStep
@@ -128,27 +128,15 @@ def recorded(
     Raises
     ------
     ValueError
-        For Python functions that cannot be recorded, and formulas of accelerations or reactions.
+        For Python functions that cannot be recorded.
     """
     if isinstance(function, str):
-        _refuse_solved(system, event_step, function)
         state = _state(system, event_step, copies)
-        outputs, tree = Copies(system, state, b, unknown, angles), formula_of(system, function)
-        return _recorded(outputs, tree.value({name: outputs(name) for name in tree.names()}))
+        return of_formula(Copies(system, state, b, unknown, angles), function)
     if isinstance(function, Corner | Sample):
         outputs = Copies(system, _state(system, event_step, copies), b, unknown, angles)
         return _recorded(outputs, function.record(outputs))
     return _of_python(event_step, function, _sizes(system))
-
-
-def _refuse_solved(system: System, event_step: EventStep, text: str) -> None:
-    """Refuse events of accelerations and reactions."""
-    for name in formula_of(system, text).names():
-        if find_output(system, name).level == Level.ACCELERATION:
-            raise ValueError(
-                f"the event {event_step.name} depends on {name}, which follows from the equations of motion: its time "
-                "has no derivatives here. Write it with positions, velocities and forces of springs."
-            )
 
 
 def _sizes(system: System) -> Sequence[int]:
@@ -159,6 +147,12 @@ def _state(system: System, event_step: EventStep, copies: int) -> States:
     one = (np.array(event_step.t), event_step.q, event_step.v, 0 * event_step.q)
     t, q, v, a = (np.tile(x, (copies, *[1] * x.ndim)) for x in one)
     return States(t, q, v, a, lambda: np.zeros((copies, system.m)))
+
+
+def of_formula(outputs: Outputs, text: str) -> TapeValues:
+    """The value of a formula at the states of some outputs."""
+    tree = formula_of(outputs.system, text)
+    return _recorded(outputs, tree.value({name: outputs(name) for name in tree.names()}))
 
 
 def _recorded(outputs: Outputs, found: Any) -> TapeValues:

@@ -37,7 +37,7 @@ BUDGETS = {
     "analyses/optimization": Size(1437, 11, 28, 0),
     "analyses/position": Size(1250, 12, 28, 0),
     "analyses/redundancy": Size(348, 4, 10, 0),
-    "analyses/sensitivity": Size(7085, 66, 55, 12),
+    "analyses/sensitivity": Size(7163, 67, 55, 12),
     "analyses/workspace": Size(3435, 32, 66, 0),
     "bridges": Size(158, 5, 0, 0),
     "cli": Size(1513, 28, 11, 0),

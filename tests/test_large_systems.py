@@ -190,7 +190,7 @@ def test_equations_that_are_nearly_dependent(size: float, blocks: int) -> None:
     block = np.array([[1.0, 0.0, 0.0], [1.0, size, 0.0], [2.0, size, 0.0]])
     J = csr_array(block_diag([block] * blocks))
     f, x = np.random.default_rng(0).normal(size=(2, J.shape[1]))
-    found, lam = KKT(np.ones(len(x)), J).solve(f, J @ x)
+    found, lam = KKT(None, J, np.ones(len(x))).solve(f, J @ x)
     fixed = np.arange(len(x)) % 3 < 2
     assert found[fixed] == pytest.approx(x[fixed], abs=1e-9 + 1e-15 / size**2)
     assert found[~fixed] == pytest.approx(f[~fixed], abs=1e-12)

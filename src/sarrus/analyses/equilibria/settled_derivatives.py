@@ -14,14 +14,13 @@ from scipy.sparse import csr_array
 
 from ..._jit.kernels.bound import Bound
 from ...algebra import Array
-from ...linalg.kkt import KKT
 from ...results import Assembly
 from ...system import System
 from ..equations.block_matrix import Numbers
 from ..equations.length import units
 from ..equations.nullspace import NullSpace
 from ..equations.states_at_rest import at_rest, by_position, places, undetermined, with_states
-from ..position.assembly_derivatives import AssemblyDerivatives, NoDerivative
+from ..position.assembly_derivatives import AssemblyDerivatives, Conditions, NoDerivative
 from .balance import Balance
 
 
@@ -60,12 +59,13 @@ class SettledDerivatives(AssemblyDerivatives):
             numbers.evaluate((name,), system.b, at)
         return numbers
 
-    def _position_block(self, numbers: Numbers, J: csr_array) -> SaddlePointSystem:
+    def _position_block(self, numbers: Numbers, J: csr_array) -> Conditions:
         def matrix(name: str) -> csr_array:
             return self._system.matrix(name, numbers.views[name])
 
         A = csr_array(matrix("Phi_qT_lam_q").toarray() - by_position(self._system, matrix))
-        return SaddlePointSystem(self._determined(A, J), J, self._request.weight)
+        weight, none = self._request.weight, np.zeros(self._system.nq)
+        return Conditions(self._determined(A, J), J, weight, none.astype(bool), W=none)
 
     def _determined(self, A: csr_array, J: csr_array) -> csr_array:
         """The matrix of an equilibrium that the forces determine; others are refused."""
@@ -106,24 +106,6 @@ class SettledDerivatives(AssemblyDerivatives):
     def _by_unknowns(self, q_bar: Array, by_v: Array) -> tuple[Array, Array]:
         by_v, q_bar = self._with_states(by_v, q_bar)
         return q_bar, by_v
-
-
-class SaddlePointSystem:
-    """A x + Jᵀ y = f, J x = g with a matrix A of any symmetry; weights are the metric in which it is scaled."""
-
-    def __init__(self, A: csr_array, J: csr_array, weight: Array) -> None:
-        self.J = J
-        self._kkt, self._transposed = KKT(A, J, weight), KKT(csr_array(A.T), J, weight)
-
-    def solve(self, f: Array, g: Array, d: Array) -> tuple[Array, Array]:
-        """The change of the equilibrium; `d`, of the guess, does not matter."""
-        return self._kkt.solve(f, g)
-
-    def transposed(self, x_bar: Array, y_bar: Array | None = None) -> tuple[Array, Array, Array]:
-        """The adjoint variables, and no gradient by the guess."""
-        none = np.zeros(self.J.shape[0])
-        x, y = self._transposed.solve(x_bar, none if y_bar is None else y_bar)
-        return x, y, np.zeros(len(x_bar))
 
 
 class Addresses(np.ndarray):

@@ -11,7 +11,7 @@ transposed.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
@@ -19,7 +19,7 @@ from scipy.sparse import csr_array, vstack
 from ...algebra import Array
 from ...linalg.kkt import KKT, diagonal
 from ...model import SarrusError
-from ...results import Assembly, AssemblyRequest
+from ...results import Assembly
 from ...system import System
 from ...system.curves.curve_derivatives import CurveDerivatives
 from ..equations.block_matrix import LEFT_OUT, Numbers, Part
@@ -100,16 +100,14 @@ class AssemblyDerivatives:
         self._position = self._position_block(numbers, J)
         request = self._request
         J = self.rates.below(J, assembly.q)
-        self._velocity = _Block(request.weight_v, request.held_velocities, None, J)
+        self._velocity = Conditions(None, J, request.weight_v, request.held_velocities)
         self._join(numbers)
 
-    def _position_block(self, numbers: Numbers, J: csr_array) -> PositionBlock:
+    def _position_block(self, numbers: Numbers, J: csr_array) -> Conditions:
         """The matrix of the conditions on q and λ."""
-        H = self._system.matrix("Phi_qT_lam_q", numbers.views["Phi_qT_lam_q"])
-        count = self._system.m_holonomic
-        if count == self._system.m:
-            return _Block(self._request.weight, self._request.held_positions, H, J)
-        return _Holonomic(self._request, H, J, count)
+        weight, held = self._request.weight, self._request.held_positions
+        A = diagonal(weight) + self._system.matrix("Phi_qT_lam_q", numbers.views["Phi_qT_lam_q"])
+        return Conditions(A, J, weight, held, count=self._system.m_holonomic)
 
     def _evaluated(self) -> Numbers:
         """The numbers of all operators at the assembled state."""
@@ -342,61 +340,55 @@ class AssemblyDerivatives:
         )
 
 
-class PositionBlock(Protocol):
-    """The linearized conditions on unknowns x with multipliers y, J x = g among them."""
+class Conditions:
+    """A x + Jᵀy = W d + f, J x = g for the free coordinates; those that are held follow the guess, x = d.
 
-    J: csr_array
+    Parameters
+    ----------
+    A : (nq, nq), W itself, or None for the same
+    J : (m, nq)
+    weight : (nq,) the diagonal of the metric
+    W : (nq,) diagonal, by default the metric; zeros where the guess has no influence
+    held : (nq,) which coordinates are
+    count : of the equations; the others are empty, and their multipliers zero
+    """
+
+    def __init__(
+        self,
+        A: csr_array | None,
+        J: csr_array,
+        weight: Array,
+        held: Array,
+        *,
+        W: Array | None = None,
+        count: int | None = None,
+    ) -> None:
+        self._count, self._others = count, J.shape[0] - (J.shape[0] if count is None else count)
+        own = csr_array(J[:count]) if self._others else J
+        self.J = csr_array(vstack([own, csr_array((self._others, J.shape[1]))])) if self._others else J
+        self._free, self._held = np.flatnonzero(~held), np.flatnonzero(held)
+        self._W, free, every = weight if W is None else W, self._free, not len(self._held)
+        self._A: Any = diagonal(weight) if A is None else A
+        inside = None if A is None else A if every else csr_array(A[free][:, free])
+        self._kkt = KKT(inside, own if every else csr_array(own[:, free]), weight[free])
 
     def solve(self, f: Array, g: Array, d: Array) -> tuple[Array, Array]:
         """The unknowns and multipliers for right sides and a change of the guess."""
-
-    def transposed(self, x_bar: Array, y_bar: Array | None = None) -> tuple[Array, Array, Array]:
-        """Return the solutions of the transposed system, and the gradient by the estimate."""
-
-
-class _Block:
-    """(W + H) x + Jᵀ y = W d + f, J x = g for the free coordinates; the held ones follow the guess, x = d."""
-
-    def __init__(self, weight: Array, held: Array, H: csr_array | None, J: csr_array) -> None:
-        self.J = self._J = J
-        self._free, self._held = np.flatnonzero(~held), np.flatnonzero(held)
-        self._weight, free = weight, self._free
-        self._A = diagonal(weight) if H is None else diagonal(weight) + H
-        blocks = (self._A[free][:, free], csr_array(J[:, free])) if len(self._held) else (self._A, J)
-        self._kkt = KKT(*blocks, weight[free])
-
-    def solve(self, f: Array, g: Array, d: Array) -> tuple[Array, Array]:
         x, F, h = np.zeros(d.shape), self._free, self._held
         x[h] = d[h]
-        right = f + (self._weight * d.T).T - self._A @ x
-        x[F], y = self._kkt.solve(right[F], g - self._J @ x)
-        return x, y
-
-    def transposed(self, x_bar: Array, y_bar: Array | None = None) -> tuple[Array, Array, Array]:
-        """The solution (x, y) for the right sides x_bar and y_bar, by default 0, and the gradient by d."""
-        x, F, h = np.zeros(len(x_bar)), self._free, self._held
-        x[F], y = self._kkt.solve(x_bar[F], np.zeros(self._J.shape[0]) if y_bar is None else y_bar)
-        by_d = self._weight * x
-        by_d[h] = (x_bar - self._A @ x - self._J.T @ y)[h]
-        return x, y, by_d
-
-
-class _Holonomic(_Block):
-    """The same with the first equations only; those of the others are empty, and their multipliers zero."""
-
-    def __init__(self, request: AssemblyRequest, H: csr_array, J: csr_array, count: int) -> None:
-        super().__init__(request.weight, request.held_positions, H, csr_array(J[:count]))
-        self._count, self._rest = count, J.shape[0] - count
-        self.J = csr_array(vstack([self._J, csr_array((self._rest, J.shape[1]))]))
-
-    def solve(self, f: Array, g: Array, d: Array) -> tuple[Array, Array]:
-        x, y = super().solve(f, g[: self._count], d)
+        right = f + (self._W * d.T).T - self._A @ x
+        x[F], y = self._kkt.solve(right[F], (g - self.J @ x)[: self._count])
         return x, self._whole(y)
 
     def transposed(self, x_bar: Array, y_bar: Array | None = None) -> tuple[Array, Array, Array]:
-        of_holonomic = None if y_bar is None else y_bar[: self._count]
-        x, y, by_d = super().transposed(x_bar, of_holonomic)
-        return x, self._whole(y), by_d
+        """The solution (x, y) with Aᵀ for the right sides x_bar and y_bar, by default 0, and the gradient by d."""
+        x, F, h = np.zeros(len(x_bar)), self._free, self._held
+        none = np.zeros(self.J.shape[0])
+        x[F], y = self._kkt.solve_transposed(x_bar[F], (none if y_bar is None else y_bar)[: self._count])
+        y, by_d = self._whole(y), self._W * x
+        if len(h):
+            by_d[h] = (x_bar - self._A.T @ x - self.J.T @ y)[h]
+        return x, y, by_d
 
     def _whole(self, y: Array) -> Array:
-        return np.concatenate([y, np.zeros((self._rest, *y.shape[1:]))])
+        return np.concatenate([y, np.zeros((self._others, *y.shape[1:]))]) if self._others else y

@@ -9,13 +9,11 @@ from scipy.sparse import csr_array, diags_array
 
 from ...algebra import Array
 from ...linalg.factors import SingularSystem
-from ...linalg.kkt import KKT
-from ...linalg.minimum_step import MinimumStep
-from ...linalg.rank import divided, row_lengths
+from ...linalg.kkt import FLOOR, KKT
 from ...system import System
 from ...system.cached import once
 from ...system.layout import Layout
-from ..equations.length import lever, row_sizes, scaled, unit_displacement
+from ..equations.length import lever, row_sizes, unit_displacement
 from ..equations.projection import allowed
 
 FIRST_DAMPING = 1e-2  # of the largest diagonal entry, for a residual of 1
@@ -55,7 +53,9 @@ class FeasibleSearch:
     """
 
     def __init__(self, system: System, inverse_weight: Array, t: float = 0.0) -> None:
-        self.system, self.inverse_weight, self.t = system, inverse_weight, t
+        self.system, self.t = system, t
+        with np.errstate(divide="ignore"):
+            self._weight = 1 / inverse_weight
         self.renormalized = Renormalization(system.layout, inverse_weight)
         self.length, self.unit = lengths_of(system, t)
 
@@ -83,9 +83,9 @@ class FeasibleSearch:
         P, before = self.renormalized.tangent(at.q), at.Phi / rows
         size = float(before @ before)
         J = csr_array(self.system.Phi_q(at.q, self.t) @ P)
-        step = MinimumStep(divided(J, rows), self.inverse_weight)
+        kkt, still = KKT(None, J, self._weight, rows), np.zeros(len(at.q))
         while strength < LARGEST_DAMPING:
-            change = P @ step(before, strength * step.scale * min(size, 1.0))
+            change = P @ kkt.step(still, -at.Phi, strength * min(size, 1.0) + FLOOR)[0]
             there = self._at(self.renormalized(at.q + change), at.steps + 1, tolerance)
             linear = (at.Phi + self.system.Phi_q_xi(at.q, change, self.t)) / rows
             fall = size - float(np.sum((there.Phi / rows) ** 2))
@@ -165,8 +165,7 @@ class LeastChange:
 
     def __init__(self, system: System, weight: Array, free: Array, t: float) -> None:
         self.system, self.weight, self.free, self.t = system, weight, np.flatnonzero(free), t
-        self._inverse = np.where(free, 1 / weight, 0.0)
-        self._feasible = FeasibleSearch(system, self._inverse, t)
+        self._is_free, self._feasible = free, FeasibleSearch(system, np.where(free, 1 / weight, 0.0), t)
         self._unit = system.layout.scales(self._feasible.length)
         self._heaviest = float((self._unit**2 * weight).max(initial=0.0))
 
@@ -186,13 +185,9 @@ class LeastChange:
 
     def _multipliers(self, J: csr_array, change: Array) -> tuple[Array, Array]:
         """λ that makes W (q - q₀) + Φ_qᵀλ least in the metric, and this remainder."""
-        rows = row_lengths(scaled(J, self._unit))
-        step = MinimumStep(divided(J, rows), self._inverse)
-        lam, slope = np.zeros(len(rows)), self.weight * change
-        for _ in range(2):
-            lam = lam + step.multipliers(-(J @ (self._inverse * slope)) / rows) / rows
-            slope = self.weight * change + J.T @ lam
-        return lam, np.where(self._inverse > 0, slope, 0.0)
+        kkt = KKT(None, J, np.where(self._is_free, self.weight, np.inf))
+        lam = kkt.solve(-self.weight * change, np.zeros(J.shape[0]))[1]
+        return lam, np.where(self._is_free, self.weight * change + J.T @ lam, 0.0)
 
     def _descend(
         self, q: Array, guess: Array, J: csr_array, lam: Array, slope: Array, tolerance: float
@@ -222,7 +217,7 @@ class LeastChange:
                 continue
             if step[F] @ A @ step[F] > 1e-3 * (step[F] @ W @ step[F]) and slope @ step < 0:
                 return step
-        step[F], _ = KKT(self.weight[F], J_F).step(-slope[F], np.zeros(len(lam)))
+        step[F], _ = KKT(None, J_F, self.weight[F]).step(-slope[F], np.zeros(len(lam)))
         return step
 
     def _distance(self, q: Array, guess: Array) -> float:

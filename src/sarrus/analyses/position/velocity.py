@@ -122,7 +122,7 @@ def assemble_velocity(
     F, Phi_q = np.flatnonzero(free), system.Phi_q(q, t)
     J = rates.below(Phi_q, q)
     right = np.concatenate([-system.Phi_t(q, t), rates.values])
-    matrix = KKT(weight[F], J if np.all(free) else csr_array(J[:, F]))
+    matrix = KKT(None, J if np.all(free) else csr_array(J[:, F]), weight[F])
     change, multipliers = matrix.solve(np.zeros(len(F)), right - J @ v)
     velocity = v.copy()
     velocity[F] += change

@@ -194,4 +194,4 @@ def _has_loops(system: System) -> bool:
 def _motion(at: Closure, g: Array) -> Array:
     """The least ξ with Φ_q ξ = g, but for combinations of equations that vanish."""
     n = at.J.shape[1]
-    return KKT(np.ones(n), at.J).solve(np.zeros(n), g - at.null @ (at.null.T @ g))[0]
+    return KKT(None, at.J, np.ones(n)).solve(np.zeros(n), g - at.null @ (at.null.T @ g))[0]

@@ -153,65 +153,33 @@ def speed(outputs: Any) -> Any:
 
 
 FIRST = sr.Misfit(speed, name="speed", at=[0.0, 0.05, 0.1], data=[0.0, 0.1, 0.4])
-LATER = sr.Misfit(speed, name="speed", at=[0.05, 0.1], data=[0.1, 0.4])
 BOTH = ["s.mass", "F"]
 
 
-def test_a_measured_speed_of_zero_at_rest_does_no_harm(falling: sr.System) -> None:
-    """The square of a speed is smooth, and that from rest is zero for all parameters: as without this measurement."""
+def test_a_measured_speed_of_zero_at_rest_is_refused(falling: sr.System) -> None:
+    """The message says to leave it out, also where the square of the speed is smooth."""
     run = sr.simulate(falling, until=0.1, store="steps")
-    asked: dict[str, Callable[[sr.Misfit], Any]] = {
-        "adjoint": lambda one: sr.sensitivity(run, one, BOTH).matrix,
-        "direct": lambda one: sr.sensitivity(run, one, BOTH, method="direct").matrix,
-        "checkpoints": lambda one: by_checkpoints(falling, one, BOTH, until=0.1).matrix,
-        "second": lambda one: sr.hessian(run, one, BOTH).matrix,
-        "optimize": lambda one: sr.optimize(falling, one, ["F"], until=0.1).x,
-        "fit": lambda one: sr.fit(falling, one, ["F"], until=0.1).x,
-    }  # fmt: skip
-    for name, ask in asked.items():
-        found, wanted = ask(FIRST), ask(LATER)
-        assert np.all(wanted != 0), name
-        assert np.allclose(found, wanted, rtol=1e-12), name
+    for ask in (
+        lambda: sr.sensitivity(run, FIRST, BOTH),
+        lambda: sr.sensitivity(run, FIRST, BOTH, method="direct"),
+        lambda: sr.hessian(run, FIRST, BOTH),
+        lambda: sr.fit(falling, FIRST, ["F"], until=0.1),
+    ):
+        with pytest.raises(
+            (ValueError, sr.SarrusError), match=r"speed.*derivative is infinite.*leave out the meas"
+        ):
+            ask()
 
 
 @pytest.mark.parametrize("method", ["adjoint", "direct"])
 def test_a_residual_of_zero_in_a_driven_motion(method: str) -> None:
-    """The root of the squared angle has a smooth square, and the root of the angle has none."""
     model = pendulum().model
     driver = sr.AngleDriver("turn", "pin", [[0, 0], [0.5, 0.1], [1, 0.5], [1.5, 0.8]])
     run = sr.kinematics(sr.System(replace(model, drivers=[driver])), [0.0, 0.5, 1.0])
     names = [name for name in sr.sensitivity(run, sr.Final("pin.angle")).names if "turn" in name]
-
-    def slopes(root: Callable[[Any], Any], at: list[float]) -> Any:
-        misfit = sr.Misfit(root, name="root", at=at, data=[0.0, 0.3][-len(at) :])
-        return sr.sensitivity(run, misfit, names, method=method).matrix
-
-    found, wanted = (slopes(lambda o: np.sqrt(o("pin.angle") ** 2), at) for at in ([0, 0.5], [0.5]))
-    assert np.allclose(found, wanted, rtol=1e-12)
-    assert wanted.any()
+    misfit = sr.Misfit(lambda o: np.sqrt(o("pin.angle")), name="root", at=[0, 0.5], data=[0.0, 0.3])
     with pytest.raises(ValueError, match=r"root: its derivative is infinite"):
-        slopes(lambda o: np.sqrt(o("pin.angle")), [0, 0.5])
-
-
-def test_only_roots_of_stationary_zeros_have_smooth_squares(falling: sr.System) -> None:
-    """The square of the fourth root of v² is |v|, and that of the root of an angle is the angle."""
-    run, swing = (sr.simulate(one, until=0.1, store="steps") for one in (falling, pendulum()))
-    fourth = sr.Misfit(lambda o: (o("s.velocity.z") ** 2) ** 0.25, name="root", at=[0.0], data=[0.0])
-    angle = sr.Misfit(lambda o: np.sqrt(-o("pin.angle")), name="root", at=[0.0], data=[0.0])
-    for given, bad, name in ((run, fourth, "s.mass"), (swing, angle, "arm.position.y")):
-        with pytest.raises(ValueError, match=r"root: its derivative is infinite"):
-            sr.sensitivity(given, bad, [name])
-
-
-def test_a_speed_that_begins_to_move_has_no_second_derivatives_by_it(falling: sr.System) -> None:
-    """Its half square has some, but they are not known; its gradient by the initial velocity is known."""
-    run = sr.simulate(falling, until=0.1, store="steps")
-    start = ["s.velocity.z"]
-    assert np.allclose(
-        sr.sensitivity(run, FIRST, start).matrix, sr.sensitivity(run, LATER, start).matrix, rtol=1e-12
-    )
-    with pytest.raises(ValueError, match=r"speed: its second derivative .*leave out the measurement where"):
-        sr.hessian(run, FIRST, start)
+        sr.sensitivity(run, misfit, names, method=method)
 
 
 FALLING = """

@@ -155,17 +155,6 @@ class Tape:
                 change[arg] = _sum(change[arg], moved)
         return found, change
 
-    def infinite(self, at: Any) -> list[tuple[int, Any]]:
-        """Entries with slopes that are not finite at some times (nt,), and at which of these."""
-        found = []
-        for n in range(len(self.entries)):
-            if self._moving[n] and self.entries[n].args:
-                finite = [np.isfinite(slope) for _, slope in self._moving_slopes(n)]
-                lost = at & ~np.logical_and.reduce(np.broadcast_arrays(at, *finite)[1:])
-                if lost.any():
-                    found.append((n, lost))
-        return found
-
     def _slopes(self, n: int) -> tuple[Any, ...]:
         op, args = self.entries[n]
         return operation(op).slopes(self.values[n], *[self.values[arg] for arg in args])

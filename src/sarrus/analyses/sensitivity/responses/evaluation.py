@@ -37,8 +37,6 @@ from .undefined import (
     change_of_gradient,
     change_with_weight,
     gradient_of,
-    is_quadratic,
-    rests,
 )
 
 MOTION = ("a", "lam")
@@ -349,13 +347,9 @@ class Evaluation:
         found, along = self._found[n], self._tape_along(n, dots, b, c, named, 0)
         t, still = sampling.t, np.zeros(len(sampling.t))
         t_dot, weights = sampling.gathered_time(dots, 0) if sampling.moves else still, response.weights(g, t)
-        moved, moves = np.broadcast_to(np.asarray(along[found.at], dtype=float), g.shape), sampling.moves
-
-        def smooth(lost: Array) -> bool:
-            return rests(outputs, along, lost, moves) and is_quadratic(outputs, lost, moves)
-
+        moved = np.broadcast_to(np.asarray(along[found.at], dtype=float), g.shape)
         by_output = partial(response.weights_along, g, t, t_dot=still)
-        g_dot = change_with_weight(response.title, weights, moved, by_output, smooth)
+        g_dot = change_with_weight(response.title, weights, moved, by_output)
         turned = response.weights_along(g, t, g_dot, t_dot) + self._through_kinks(n, g_dot)
         bars, change = change_of_gradient(
             response.title, outputs, found, (weights, turned), along, sampling.moves

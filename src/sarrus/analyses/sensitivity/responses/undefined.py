@@ -15,9 +15,6 @@ ROOT = (
     ", as that of a root at 0. Use a smooth function, such as sqrt(x**2 + e**2), or leave out the measurement where "
     "the output is 0, or the response."
 )
-# These change as the root of their argument where its slope is infinite
-ROOTS = ("sqrt", "asin", "acos", "power")
-LEAST_POWER = 0.5
 
 
 class UndefinedResponse(ValueError):
@@ -68,7 +65,7 @@ def gradient_of(
     weights : of the output at its times; infinite slopes do no harm where they are zero and remain so
     moves : whether it is differentiated by its times, too
     vanishing : which weights are zero only at this output, `Response.vanishing_weights`; none if omitted. Infinite
-        slopes at their times do no harm where squares are smooth, see `is_quadratic`
+        slopes at their times do harm
 
     Raises
     ------
@@ -79,9 +76,7 @@ def gradient_of(
         bars = outputs.tape.gradient({found.at: weights})
         if not _finite(outputs, bars, moves):
             none = weights == 0.0
-            lost = none & vanishing() if vanishing else np.zeros_like(none)
-            without = none if is_quadratic(outputs, lost, moves) else none & ~lost
-            bars = outputs.tape.gradient({found.at: weights}, without)
+            bars = outputs.tape.gradient({found.at: weights}, none & ~vanishing() if vanishing else none)
     if not _finite(outputs, bars, moves):
         raise UndefinedResponse(f"{title}: its derivative is infinite{ROOT}")
     return bars
@@ -113,32 +108,6 @@ def change_of_gradient(
     return both
 
 
-def is_quadratic(outputs: Outputs, lost: Array, moves: bool) -> bool:
-    """Whether all infinite slopes at some times (nt,) are those of roots whose arguments are stationary there.
-
-    Such as sqrt(x² + y²) at x = y = 0: it has a corner, but its square is smooth, and so is that of a residual that
-    vanishes there.
-    """
-    tape = outputs.tape
-    irregular = np.random.default_rng(0).uniform(0.5, 1.5, len(lost))  # no sum of them is 0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        for n, at in tape.infinite(lost):
-            op, args = tape.entries[n]
-            if op not in ROOTS or (op == "power" and np.any(tape.values[args[1]] < LEAST_POWER)):
-                return False
-            bars = tape.gradient({args[0]: np.where(at, irregular, 0.0)}, ~at)
-            if any(np.any(np.asarray(bars[one]) != 0.0) for one in _variables(outputs, moves)):
-                return False
-    return True
-
-
-def rests(outputs: Outputs, along: list[Any], lost: Array, moves: bool) -> bool:
-    """Whether nothing that a response depends on changes at some times (nt,)."""
-    return not any(
-        np.any(np.broadcast_to(along[one], lost.shape)[lost] != 0.0) for one in _variables(outputs, moves)
-    )
-
-
 def along_with_weight(along: Array, none: Array, check: Callable[[], object]) -> Array:
     """The changes of an output at its times (nt, k), zero where they are infinite and do no harm.
 
@@ -155,13 +124,7 @@ def along_with_weight(along: Array, none: Array, check: Callable[[], object]) ->
     return np.where(lost[:, None], 0.0, along)
 
 
-def change_with_weight(
-    title: str,
-    weights: Array,
-    change: Array,
-    turned: Callable[[Array], Array],
-    still: Callable[[Array], bool],
-) -> Array:
+def change_with_weight(title: str, weights: Array, change: Array, turned: Callable[[Array], Array]) -> Array:
     """The change of an output at its times, zero where it is infinite and has no weight.
 
     Parameters
@@ -169,7 +132,6 @@ def change_with_weight(
     title, weights : of the response
     change : of the output
     turned : the change of the weights with that of the output
-    still : whether squares of the output are smooth at some times, and nothing that it depends on changes there
 
     Raises
     ------
@@ -177,7 +139,7 @@ def change_with_weight(
         If the weights change with an infinite change.
     """
     lost = (weights == 0.0) & ~np.isfinite(change)
-    if lost.any() and turned(lost.astype(float)).any() and not still(lost):
+    if lost.any() and turned(lost.astype(float)).any():
         raise UndefinedResponse(f"{title}: its second derivative is infinite{ROOT}")
     return np.where(lost, 0.0, change)
 

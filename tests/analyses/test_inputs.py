@@ -70,16 +70,6 @@ def test_formulas_in_texts() -> None:
     assert pushed("100*exp(-((t - 3)/0.001)^2)", 6.0) == pytest.approx(0.1 * np.sqrt(np.pi), rel=0.02)
 
 
-@pytest.mark.parametrize("speed", [0.0, 1.0])
-def test_derivatives_by_an_amplitude_of_zero(speed: float) -> None:
-    """Nothing in the motion shows how the load would vary: x_A = t/ω - sin(ωt)/ω² over the mass."""
-    ball = sr.Body("ball", 2.0, (1, 1, 1), velocity=(speed, 0, 0))
-    load = sr.PointForce("load", ball.point(0, 0, 0), ("0*sin(20*t)", 0, 0))
-    run = sr.simulate(sr.System(sr.Model("pushed", [ball], forces=[load])), until=2.3, store="steps")
-    found = sr.sensitivity(run, sr.Final("ball.x"), "load.force.x.1").matrix
-    assert found == pytest.approx((2.3 / 20 - np.sin(20 * 2.3) / 400) / 2, rel=3e-3)
-
-
 class Kick(Force, bodies=1, derivatives="automatic"):
     """A user's force that computes its pulse itself."""
 
@@ -114,23 +104,6 @@ def test_a_force_of_the_users_own() -> None:
     kicks = [Kicker("one", center, 100.0, 2.0), Kicker("two", center, -30.0, 7.0)]
     run = sr.simulate(sr.System(sr.Model("m", [body], forces=kicks)), until=9.0, t_eval=[5.0, 9.0])
     assert run["mass"].velocity[:, 0] == pytest.approx([0.5, 0.35], rel=0.02)
-
-
-def test_derivatives_by_a_height_of_zero_of_the_users_own_force() -> None:
-    """A pulse of 10 ms has the momentum 0.005 s times its height; steps suit the motion, which does not show it."""
-    body = mass()
-    kick = Kicker("kick", body.point(0, 0, 0), 0.0, 2.0)
-    run = sr.simulate(sr.System(sr.Model("m", [body], forces=[kick])), until=5.0, store="steps")
-    found = sr.sensitivity(run, sr.Final("mass.velocity.x"), "kick.height").matrix
-    assert found == pytest.approx(0.005, rel=3e-3)
-
-
-def test_steps_of_a_given_length_warn() -> None:
-    with pytest.warns(
-        sr.SarrusWarning, match="varies at t = 3.0005 s within less than half a step of 0.01 s"
-    ):
-        pushed(half_wave(3.0, 0.001), 10.0, sr.HHT(step=0.01))
-    assert pushed(half_wave(3.0, 1.0), 10.0, sr.HHT(step=0.01)) == pytest.approx(0.5, rel=1e-3)
 
 
 @pytest.mark.parametrize("make", [half_wave, bell])

@@ -35,7 +35,7 @@ from ..progress import monitor
 from .events.events import Event, Impact
 from .events.singular_passage import SingularPassage
 from .inputs.force_arguments import that_jump
-from .inputs.laws_of_time import Stops, stops_of
+from .inputs.laws_of_time import stops_of
 from .integrators.alpha import HHT, GeneralizedAlpha
 from .integrators.described import DescribedMethod, Radau, StepMethod
 from .integrators.differentiable import Method, method_with_options
@@ -117,7 +117,7 @@ class Recipe:
         step: float | None = getattr(method, "step", None)
         stops = stops_of(system, breakpoints, until, start.t, step=step)
         max_step, store_steps, dense = method.max_step, store == "steps", store != "samples"
-        announce(_passed_over(system, stops, step))
+        announce(_passed_over(system, step))
         if max_step < np.spacing(until):
             message = f"max_step is {max_step:.3g} s, less than the rounding of the time {until:g} s."
             raise ValueError(f"{message} Give a longer one.")
@@ -289,13 +289,8 @@ def _times(given: ArrayLike | None, begin: float, until: float) -> Array:
     return times
 
 
-def _passed_over(system: System, stops: Stops, step: float | None) -> Iterator[str]:
-    """Steps of a given length that are too long for what loads do, or pass over jumps."""
-    if len(stops.quick):
-        yield (
-            f"{system.name}: a load or a motion varies at t = {stops.quick[0]:.6g} s within less than half a step of "
-            f"{step} s, so that steps may pass over it. Take shorter ones, or a method without a given step."
-        )
+def _passed_over(system: System, step: float | None) -> Iterator[str]:
+    """Steps of a given length that pass over jumps."""
     if step is not None and (owners := that_jump(system)):
         yield (
             f"{system.name}: a law of {quote(owners[0])} jumps, and steps of a given length do not end there, which "

@@ -15,13 +15,12 @@ from ..._jit.formulas.program import program
 from ..arithmetic import Numeric
 from ..checks.arguments import checked
 from ..errors import ModelError, restated
-from ..expression import Call, Expression, Name, Number
+from ..expression import Expression, Name, Number
 from ..quantity import ROUND_OFF, is_list, numbers
 from ..show import show
 from ..tape import Tracer, value_of
 
 Cubic: TypeAlias = tuple[float, float, float, float]
-PRODUCTS = ("*", "/", "neg")  # operators whose arguments are factors
 NATURAL_BELOW = 4  # points; from here on the spline is "not-a-knot"
 _PAIRS = "Give a table of at least two pairs [x, y] with rising x."
 
@@ -171,14 +170,6 @@ class Tree:
 
         self.tree.exchanged(note)
         return found
-
-    def hidden(self) -> list[bool]:
-        """Return for each of the formula's numbers whether it is zero and a factor: values do not show of what."""
-        products = (
-            one for one in self.tree.nodes() if isinstance(one, Call) and one.function.name in PRODUCTS
-        )
-        factors = {arg for one in products for arg in one.args}
-        return [one in factors and one.value() == 0.0 for one in self.numbers()]
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,6 @@ from ....algebra import Array
 from ....elements import OPERATORS
 from ....elements.recorder import Variant, record
 from ....model import Curve, Formula, Surface
-from ....model.expression import Number
 from ....system import System
 from ....system.cached import once
 from ....system.curves.curve_derivatives import MANY, formula_graph, steps_in
@@ -220,23 +219,15 @@ def _laws(system: System) -> tuple[Law, ...]:
 
 
 def _of(p: Population) -> Iterator[Law]:
-    """Formulas of a kind of element, and what its own Q or Phi computes from the time alone.
-
-    Numbers that are zero, such as an amplitude, do not show what a load does that derivatives by them need: laws are
-    examined with one in their place, too.
-    """
+    """Formulas of a kind of element, and what its own Q or Phi computes from the time alone."""
     fields = fields_of_time(p.variant)
     graph, own = expressions_of_time(p.variant)
     for values in p.values:
         for formula in (values[n] for n in fields if isinstance(values[n], Formula)):
             yield formula_law(formula)
-            hidden = formula.written.hidden() if formula.written else []
-            if any(hidden):
-                yield formula_law(formula.exchanged(lambda n, x, h=hidden: Number(1.0) if h[n] else x))
         if own:
             numbers = np.concatenate([np.ravel(_number(value)) for value in values])
-            for b in (numbers, np.where(numbers == 0, 1.0, numbers)):
-                yield from (_with_numbers(p.variant, graph, value, b) for value in own)
+            yield from (_with_numbers(p.variant, graph, value, numbers) for value in own)
 
 
 def formula_law(formula: Formula) -> Law:
@@ -308,7 +299,6 @@ class Stops(NamedTuple):
     all : of all of them
     kinks : those after which a method starts anew
     longest : step between them
-    quick : where a law varies faster than steps whose length is given can see
     aside : how far kinks are before the times of jumps, so that all stages of a step are on one side
     behind : how long after the start the first step begins, behind a jump there
     """
@@ -316,7 +306,6 @@ class Stops(NamedTuple):
     all: Array
     kinks: Array
     longest: float
-    quick: Array
     aside: float
     behind: float
 
@@ -332,14 +321,13 @@ def stops_of(
     aside = ASIDE * max(abs(begin), abs(until))
     jumps = np.concatenate([given, corners, own]) - aside
     stops, kinks = (np.concatenate([jumps, times]) for times in (every, ends))
-    quick = np.zeros(0)
     if step is not None:
-        longest, quick = np.inf, _nearer(_apart(soft, begin, until), corners, step)
+        longest = np.inf
     else:
         stops = np.concatenate([stops, soft])
     late = jumps + aside - begin
     behind = max((x + 2 * aside for x in late[abs(late) <= ROUND * max(abs(begin), abs(until))]), default=0.0)
-    return Stops(_apart(stops, begin, until), _apart(kinks, begin, until), longest, quick, aside, behind)
+    return Stops(_apart(stops, begin, until), _apart(kinks, begin, until), longest, aside, behind)
 
 
 def points_of_tables(system: System, begin: float, until: float) -> tuple[Array, Array, Array]:
@@ -364,16 +352,6 @@ def _jumps(curve: Curve) -> Iterator[float]:
     x, after = np.array(curve.knots), np.array([cubic[3] for cubic in curve.cubics])
     ends = [np.polyval(cubic, width) for cubic, width in zip(curve.cubics, np.diff(x), strict=True)]
     yield from x[1:-1][abs(after[1:] - ends[:-1]) > ROUND_OFF * abs(after).max()].tolist()
-
-
-def _nearer(times: Array, corners: Array, step: float) -> Array:
-    """Return the times that are nearer than half a step to others or to corners."""
-    if not len(times):
-        return times
-    every = np.unique(np.concatenate([times, corners]))
-    gaps = np.diff(every, prepend=-np.inf, append=np.inf)
-    near = np.minimum(gaps[:-1], gaps[1:]) < 0.5 * step
-    return every[near & np.isin(every, times)]
 
 
 def _apart(times: Array, begin: float, until: float) -> Array:

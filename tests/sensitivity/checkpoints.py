@@ -4,7 +4,7 @@ from typing import Any
 
 import sarrus as sr
 
-OPTIONS = ("memory", "error", "progress", "time_limit", "design", "formula")
+OPTIONS = ("memory", "progress", "time_limit", "design", "formula")
 
 
 def by_checkpoints(

@@ -140,8 +140,9 @@ def test_what_cannot_be_repeated_is_refused() -> None:
     run = sr.simulate(slider_crank(), until=0.1)
     with pytest.raises(ValueError, match="memory= repeats a run of simulate, without controllers"):
         sr.sensitivity(replace(run, call=None), "slider.x", memory=1e6)
-    with pytest.raises(ValueError, match='memory= needs method="adjoint"'):
-        sr.sensitivity(run, "slider.x", method="direct", memory=1e6)
+    for more in ({"method": "direct"}, {"error": True}):
+        with pytest.raises(ValueError, match='memory= needs method="adjoint", and error=False'):
+            sr.sensitivity(run, "slider.x", memory=1e6, **more)
     with pytest.raises(sr.SarrusError, match='Give one, or a text such as "500 MB"'):
         sr.sensitivity(run, "slider.x", memory="much")
     ode = sr.simulate(slider_crank(), until=0.1, method=sr.ODE())

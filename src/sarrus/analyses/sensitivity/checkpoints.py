@@ -17,7 +17,6 @@ from ...results import Gradient
 from ..dynamics.recipe import Recipe
 from ..equilibria.settled_derivatives import derivatives_of
 from .chain.chain import FIELDS, Nodes
-from .error_estimates import effects_of, estimates
 from .gradients import by_parameters, gradient_of
 from .long_run import Interval, LongRun
 from .parameters.contradictions import undefined
@@ -37,26 +36,23 @@ class Sums(NamedTuple):
     Attributes
     ----------
     b, c, named : what responses depend on by themselves, see `DirectTerms`
-    values, rules : of the responses, and the errors of their samples
+    values : of the responses
     missing : true for parameters without a derivative
-    effects : of defects and round-off on the values, see `Effects.sums`
     """
 
     b: Array
     c: Array
     named: list[dict[str, float]]
     values: Array
-    rules: Array
     missing: Array
-    effects: Array
 
     @classmethod
     def zeros(cls, parameters: Parameters, k: int) -> Sums:
         """Nothing yet of k responses."""
         sizes = (len(parameters.system.b), k), (parameters.c_size, k)
-        b, c, values, rules, effects = (np.zeros(size) for size in (*sizes, k, k, (3, k)))
+        b, c, values = (np.zeros(size) for size in (*sizes, k))
         missing = np.zeros(len(parameters.names), dtype=bool)
-        return cls(b, c, [{} for _ in range(k)], values, rules, missing, effects)
+        return cls(b, c, [{} for _ in range(k)], values, missing)
 
 
 class LongGradient:
@@ -132,8 +128,8 @@ class LongGradient:
         lead = self._run.lead(n + 1) if n + 1 < len(self._run) else None
         self._initial[n + 1] = angles.values[-1 - (len(lead) if lead else 0)].copy()
 
-    def gradient(self, titled: Sequence[Response], report: Callable[[float], None], error: bool) -> Gradient:
-        """Values and derivatives of all responses, by a sweep backward over the run, and errors of the values.
+    def gradient(self, titled: Sequence[Response], report: Callable[[float], None]) -> Gradient:
+        """Values and derivatives of all responses, by a sweep backward over the run.
 
         Parameters
         ----------
@@ -141,27 +137,22 @@ class LongGradient:
         report : called with the time to which the sweep has come back
         """
         run, parameters, k = self._run, self._parameters, len(self._responses)
-        total, adjoints = Sums.zeros(parameters, k), list[Array]()
-        back = BackSweep(run.system, k, parameters.c_size, adjoints if error else None)
+        total, back = Sums.zeros(parameters, k), BackSweep(run.system, k, parameters.c_size)
         for n in reversed(range(len(run))):
             interval = run.interval(n)
             angles = self._angles(n, interval)
             total.missing[:] |= undefined(run.system, interval.steps, parameters)
-            nodes = self._gradients(n, interval, angles, total, error)
+            nodes = self._gradients(n, interval, angles, total)
             chain = RunChain(run.system, interval.steps, parameters.of_run, interval.first, angles)
             chain.over(back, nodes, interval.lead)
-            if error:
-                total.effects[:] += effects_of(run.system, interval.steps, adjoints[::-1]).sums
-                adjoints.clear()
             report(run.plan.until * n / len(run))
         titles = distinct_titles(response.title for response in self._responses)
         refuse_undefined(titles, total.values)
         explicit = DirectTerms(total.b, total.c, total.named)
         matrix = by_parameters(back.gradients(derivatives_of(run.system, run.start)), parameters, explicit)
-        errors = estimates(titles, total.values, total.effects, total.rules) if error else ()
-        return gradient_of(titled, parameters, total.values, matrix, total.missing, errors)
+        return gradient_of(titled, parameters, total.values, matrix, total.missing)
 
-    def _gradients(self, n: int, interval: Interval, angles: Angles, total: Sums, error: bool) -> Nodes:
+    def _gradients(self, n: int, interval: Interval, angles: Angles, total: Sums) -> Nodes:
         """The gradients by the states of an interval, a column for each response; all others are added up."""
         nodes, found = Nodes.zeros(interval.sampled, len(self._responses)), self._parts(n, interval)
         if not found:
@@ -169,7 +160,6 @@ class LongGradient:
         numbers, parts, where = map(list, zip(*found, strict=True))
         evaluation = self._evaluation(interval, parts, where, angles)
         total.values[numbers] += evaluation.values
-        total.rules[numbers] += [evaluation.rule_error(i) for i in range(len(parts))] if error else 0.0
         by_nodes, explicit = evaluation.gradients()
         for kind in FIELDS:
             getattr(nodes, kind)[..., numbers] = getattr(by_nodes, kind)
@@ -188,7 +178,6 @@ def repeated_gradient(
     memory: float,
     *,
     progress: Callable[[float], None],
-    error: bool = False,
 ) -> Gradient:
     """Values and derivatives of responses of a run that is computed twice, with limited memory [bytes].
 
@@ -204,4 +193,4 @@ def repeated_gradient(
     until = recipe.plan.until
     run = LongRun(recipe, memory, len(responses), progress)
     sweep = LongGradient(run, responses, parameters)
-    return sweep.gradient(responses, lambda t: progress(2 * until - t), error)
+    return sweep.gradient(responses, lambda t: progress(2 * until - t))

@@ -116,7 +116,8 @@ def sensitivity(
     design : values of design variables by name
     formula : a function of the design variables that returns parameters of the model by name; differentiated exactly
     memory : for a run that stored no steps, which is repeated: the limit for checkpoints, events, and the steps between
-        two checkpoints [bytes], ``"500 MB"``; the steps are then computed twice. By the adjoint method only
+        two checkpoints [bytes], ``"500 MB"``; the steps are then computed twice. By the adjoint method only,
+        and without `error`
     progress : True for a bar on standard error, or a function of the stages that are done: responses, sweep; with
         `memory` of the simulated time, forwards and backwards: it goes to twice the end
     time_limit : limit in seconds, checked between these stages; a sweep is one compiled call, which cannot be
@@ -170,15 +171,15 @@ def _of_repeated(
 ) -> Gradient:  # fmt: skip
     """The gradient of a run that stored no steps."""
     refuse_failed(run)
-    if method != "adjoint":
+    if method != "adjoint" or error:
         raise ValueError(
-            f'{run.name}: memory= needs method="adjoint". Leave out method=, or store the steps.'
+            f'{run.name}: memory= needs method="adjoint", and error=False. Leave out both, or store the steps.'
         )
     with within(run.name, progress, 2 * float(run.t[-1]), "differentiated", " s", time_limit) as report:
         with collecting():  # its warnings are those of the run
             recipe = repeated_recipe(run)
         parameters = run_parameters(run, recipe.system, recipe.start, *asked)
-        found = repeated_gradient(recipe, outer.parts, parameters, memory, progress=report, error=error)
+        found = repeated_gradient(recipe, outer.parts, parameters, memory, progress=report)
     return outer.gradient(found, recipe.system)
 
 

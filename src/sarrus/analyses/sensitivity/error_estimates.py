@@ -49,25 +49,16 @@ class Effects(NamedTuple):
     shares: Array
     noise: Array
 
-    @property
-    def sums(self) -> Array:
-        """Sums over all steps of the effects, of their sizes, and of squares of those of round-off (3, k)."""
-        return np.array([self.shares.sum(axis=0), abs(self.shares).sum(axis=0), self.noise**2])
-
 
 def estimated(
     responses: Sequence[Response], evaluation: Evaluation, effects: Effects
 ) -> tuple[ErrorEstimate, ...]:
     """The errors of the responses that were evaluated."""
     rules = np.array([evaluation.rule_error(n) for n in range(len(responses))])
-    return estimates([one.title for one in responses], evaluation.values, effects.sums, rules)
-
-
-def estimates(titles: Sequence[str], values: Array, sums: Array, rules: Array) -> tuple[ErrorEstimate, ...]:
-    """The errors of responses with these values (k,), from `Effects.sums` and the errors of their samples (k,)."""
-    by_steps, spread, squares = sums
-    columns = values, by_steps + rules, spread + abs(rules), np.sqrt(squares)
-    return tuple(ErrorEstimate(title, *map(float, own)) for title, *own in zip(titles, *columns, strict=True))
+    by_steps, spread = effects.shares.sum(axis=0), abs(effects.shares).sum(axis=0)
+    columns = evaluation.values, by_steps + rules, spread + abs(rules), effects.noise
+    rows = zip(responses, *columns, strict=True)
+    return tuple(ErrorEstimate(one.title, *map(float, own)) for one, *own in rows)
 
 
 def effects_of(system: System, steps: StepsTaken | Segments, adjoints: Sequence[Array]) -> Effects:

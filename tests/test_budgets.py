@@ -37,7 +37,7 @@ BUDGETS = {
     "analyses/optimization": Size(1437, 11, 28, 0),
     "analyses/position": Size(1242, 12, 28, 0),
     "analyses/redundancy": Size(348, 4, 10, 0),
-    "analyses/sensitivity": Size(7135, 67, 54, 12),
+    "analyses/sensitivity": Size(7122, 67, 54, 12),
     "analyses/workspace": Size(3435, 32, 66, 0),
     "bridges": Size(158, 5, 0, 0),
     "cli": Size(1513, 28, 11, 0),

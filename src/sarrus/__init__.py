@@ -64,6 +64,7 @@ __all__ = [*sorted(_HOME_OF), "__version__"]  # pyright: ignore[reportUnsupporte
 deferred.importer.register(lambda: import_module(".io", __name__).load_any)
 deferred.exporter.register(lambda: import_module(".io", __name__).export)
 deferred.renderer.register(lambda: import_module(".views", __name__))
+deferred.equilibrium.register(lambda: import_module(".analyses.equilibria.statics", __name__).equilibrium)
 deferred.forward.register(
     lambda: import_module(".analyses.forward.forward_dynamics", __name__).ForwardDynamics
 )

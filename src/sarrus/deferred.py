@@ -30,6 +30,7 @@ renderer = Deferred()  # a module with the functions of `sarrus.views`
 estimator = Deferred()  # a function of a run and of responses that estimates their errors
 accumulator = Deferred()  # a function that integrates the named outputs of a system along a run
 saver = Deferred()  # a function that writes a run to a folder
+equilibrium = Deferred()  # a function of a system and a time: its equilibrium
 forward = Deferred()  # a class of functions of a system's state: forward dynamics
 sharers = Deferred()  # a function of a system, its result and names of outputs: the joints that share them
 corrector = (

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
+from ... import deferred
 from ...algebra import Array
 from ...linalg.rank import with_data
 from ...model import Model, ModelError, SarrusError
@@ -125,9 +126,7 @@ def named_start(system: System, entries: Mapping[str, Any]) -> Assembly | State:
     values = {str(name): _rate(system, str(name), value) for name, value in rates.items()}
     if not _is_settled(entries):
         return assemble(system, t=_time(entries), rates=values)
-    from ..equilibria.statics import equilibrium  # which itself starts from what names mean
-
-    rest = equilibrium(system, t=_time(entries))
+    rest: Equilibrium = deferred.equilibrium()(system, t=_time(entries))
     start = assemble(system, rest.q, rest.v, t=rest.t, rates=values)
     return settled(start, rest) if rest.success else replace(start, success=False, message=rest.message)
 

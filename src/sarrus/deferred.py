@@ -33,6 +33,5 @@ saver = Deferred()  # a function that writes a run to a folder
 equilibrium = Deferred()  # a function of a system and a time: its equilibrium
 forward = Deferred()  # a class of functions of a system's state: forward dynamics
 sharers = Deferred()  # a function of a system, its result and names of outputs: the joints that share them
-corrector = (
-    Deferred()
-)  # a function of a system: its parameters, with rounded data of redundant joints corrected
+# a function of a system: its parameters, with rounded data of redundant joints corrected
+corrector = Deferred()

@@ -184,7 +184,7 @@ def test_formulas_that_cannot_be_stored_are_refused():
         program(lambda x: sum(functions.sin(n * x) for n in range(1, STEPS)))
 
 
-OF_OTHERS = ("maximum", "max", "atan2", "nearest", "hypot", "deg", "rad")
+OF_OTHERS = ("maximum", "max", "atan2", "nearest", "hypot", "deg", "rad", "root")
 
 
 def test_all_public_functions_are_tried():

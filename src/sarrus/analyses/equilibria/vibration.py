@@ -212,8 +212,8 @@ def _is_steady(system: System, at: BaseState, turning: Array, terms: Terms) -> b
     speed[places(system)] = sizes(system, with_states(system, at.q, at.v))  # some states are zero at rest
     rates = force + unit * (terms.D @ speed + terms.K @ abs(at.q))  # of states, before terms cancel
     largest[system.moving :] = rates[system.moving :]
-    allowed = STEADY * largest + round_off
-    return bool(np.all(missing <= allowed))
+    small = missing <= STEADY * largest + round_off
+    return bool(np.all(small[: system.moving]) and np.all(small[places(system)]))
 
 
 def _energy_shares(system: System, at: BaseState, shapes: Array) -> Array:

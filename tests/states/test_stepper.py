@@ -182,11 +182,8 @@ def test_the_overhead_of_a_sample_is_small() -> None:
         times[0].append((time.process_time() - begun) / count)
         method = own._method
         begun = time.process_time()
-        method._advance(
-            method._program, method._entries, method._at_nodes, method._remembered, method.b, system.memory_places,
-            own.t + 0.4, count, 1e-3, method._state, method._memory, method._arrays, method._control,
-            method.store.record(), method._tolerance, method.switching, method._crossing, method.apart,
-        )  # fmt: skip
+        _, taken = method._advance(method.run()._replace(h_max=1e-3), own.t + 0.4, count)
+        assert taken == count
         times[1].append((time.process_time() - begun) / count)
         own._first += count * own.step
     assert min(times[0]) - min(times[1]) < 20e-6

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 from dataclasses import replace
 from pathlib import Path
@@ -207,6 +208,19 @@ def test_messages_in_python() -> None:
     hinge = sr.Revolute("hinge", sr.ground, two[0], point=a.P, axis=(a.P, a.P))
     with pytest.raises(sr.ModelError, match=r"axis is through two equal points\. Move one of them"):
         sr.System(sr.Model("m", two[:1], [hinge]))
+
+
+def test_a_model_that_was_right_is_checked_again_when_its_parts_are_others() -> None:
+    one, other = (sr.Body(f"b{z}", 1, (1, 1, 1), position=sr.Hardpoints({"P": (0, 0, z)}).P) for z in (1, 2))
+    bodies = [one]
+    model = sr.Model("m", bodies)
+    bodies.append(other)
+    assert sr.System(model).model.bodies == (one,)
+    for again in (model, copy.copy(model), copy.deepcopy(model), pickle.loads(pickle.dumps(model))):
+        sr.System(again)
+        object.__setattr__(again, "bodies", (*again.bodies, other))
+        with pytest.raises(sr.ModelError, match=r'two values of "P\.z", 1 and 2'):
+            sr.System(again)
 
 
 def test_a_part_that_is_replaced_no_longer_follows() -> None:

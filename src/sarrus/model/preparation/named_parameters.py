@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 from ..checks.findings import PAIRS, Path
 from ..errors import ModelError
@@ -18,13 +18,16 @@ from ..quantity import is_list
 from ..show import quote
 
 GRAVITY = "gravity"
+Located: TypeAlias = tuple[Path, FormulaValue | Expression]  # a formula with its path in a model file
 
 
-def with_named_parameters(
-    formulas: Formulas, sections: Mapping[str, Sequence[Any]], gravity: Any = None
-) -> Formulas:
-    """Return the formulas of a model with the parameters in its parts, and the formulas of numbers in these."""
-    found = [*formulas_of(sections), *_within(gravity, (GRAVITY,))]
+def formulas_in(sections: Mapping[str, Sequence[Any]], gravity: Any) -> list[Located]:
+    """All formulas of the parts of a model and of its gravity, see `formulas_of`."""
+    return [*formulas_of(sections), *_within(gravity, (GRAVITY,))]
+
+
+def with_named_parameters(formulas: Formulas, found: Sequence[Located]) -> Formulas:
+    """Return formulas with the parameters in those of a model's parts, and the formulas of numbers in these."""
     new: dict[str, Number] = {}
     for table in _tables(found):
         for name, one in table.items():
@@ -42,15 +45,15 @@ def with_named_parameters(
     )
 
 
-def refuse_two_values(model: Any) -> None:
+def refuse_two_values(formulas: Formulas, found: Iterable[Located]) -> None:
     """Refuse formulas of numbers with different values for the same name, or with another than the model's.
 
     Raises
     ------
     ModelError
     """
-    known = dict(model.formulas.parameters)
-    for _, value in [*formulas_of(model.sections()), *_within(model.gravity, (GRAVITY,))]:
+    known = dict(formulas.parameters)
+    for _, value in found:
         for name, number in _used(value):
             if known.setdefault(name, number) != number:
                 message = f"its parts use two values of {quote(name)}, {known[name]:g} and {number:g}"
@@ -70,7 +73,7 @@ def _used(value: FormulaValue | Expression) -> Iterator[tuple[str, float]]:
             yield node.of, own
 
 
-def _tables(found: Iterable[tuple[Path, FormulaValue | Expression]]) -> list[Definitions]:
+def _tables(found: Iterable[Located]) -> list[Definitions]:
     """The tables in which the parameters of formulas are defined, each once."""
     tables: dict[int, Definitions] = {}
     for _, value in found:
@@ -84,7 +87,7 @@ def _hardpoints(definitions: Definitions) -> dict[str, str]:
     return {name.rpartition(".")[0]: one.written.partition(" ")[2] for name, one in definitions.items()}
 
 
-def formulas_of(sections: Mapping[str, Sequence[Any]]) -> Iterator[tuple[Path, FormulaValue | Expression]]:
+def formulas_of(sections: Mapping[str, Sequence[Any]]) -> Iterator[Located]:
     """Yield every number of a formula, and every formula, with its path in a model file."""
     for section, parts in sections.items():
         for part in parts:
@@ -93,7 +96,7 @@ def formulas_of(sections: Mapping[str, Sequence[Any]]) -> Iterator[tuple[Path, F
                     yield from _in_field(part, field.name, (section, str(getattr(part, "name", ""))))
 
 
-def _in_field(part: Any, field: str, path: Path) -> Iterator[tuple[Path, FormulaValue | Expression]]:
+def _in_field(part: Any, field: str, path: Path) -> Iterator[Located]:
     stem, _, side = field.rpartition("_")
     paired = stem in PAIRS and hasattr(part, f"{stem}_i") and hasattr(part, f"{stem}_j")
     yield from _within(
@@ -101,7 +104,7 @@ def _in_field(part: Any, field: str, path: Path) -> Iterator[tuple[Path, Formula
     )
 
 
-def _within(value: Any, path: Path) -> Iterator[tuple[Path, FormulaValue | Expression]]:
+def _within(value: Any, path: Path) -> Iterator[Located]:
     if isinstance(value, FormulaValue | Expression):
         yield path, value
     elif isinstance(value, float | int | str | Solid | Curve | Surface) or value is None:

@@ -130,11 +130,10 @@ class SingularPassage(RunPart):
         """Keep states, ever fewer the further they are from the last one."""
         fresh = slice(1 if len(self._past.t) else 0, None)
         t = np.concatenate([self._past.t, nodes.t[fresh]])
-        rows, distance = [len(t) - 1], 0.0
-        for row in range(len(t) - 2, -1, -1):
-            if t[-1] - t[row] >= THIN * distance:
-                rows.append(row)
-                distance = t[-1] - t[row]
+        rows, row = list[int](), len(t) - 1
+        while row >= 0:
+            rows.append(row)
+            row = int(np.searchsorted(t[:row], t[-1] - THIN * (t[-1] - t[row]), side="right")) - 1
         capacity = min(RECORD_SIZE, max(2 * POINTS, NUMBERS // (2 * self._system.nq)))
         chosen = rows[capacity::-1]
         q, v = (

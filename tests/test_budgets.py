@@ -30,7 +30,7 @@ BUDGETS = {
     "_jit": Size(2230, 36, 19, 1),
     "analyses": Size(313, 5, 4, 0),
     "analyses/driven": Size(853, 6, 25, 0),
-    "analyses/dynamics": Size(6857, 68, 168, 4),
+    "analyses/dynamics": Size(6856, 68, 168, 4),
     "analyses/equations": Size(1218, 13, 17, 0),
     "analyses/equilibria": Size(1313, 10, 21, 5),
     "analyses/forward": Size(1040, 13, 2, 7),

@@ -89,6 +89,7 @@ def test_in_line(tmp_path: Path) -> None:
         sr.hessian(run, HEIGHT, NAMES)
 
 
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
 def test_a_start_that_is_not_the_nearest_is_refused(tmp_path: Path) -> None:
     run, _ = run_of(tmp_path, 1e-8, 1e-2)
     with pytest.raises(ValueError, match=r"four-bar: derivatives need a start .* farther from a dead centre"):

@@ -123,7 +123,7 @@ def test_blocks_of_bodies_and_states() -> None:
 
 def test_units_of_all_coordinates() -> None:
     layout = sr.System(motor()).layout
-    assert [*layout.scales(2.5)] == [block.scale(2.5) for block in layout.blocks for _ in range(block.width)]
+    assert [*layout.scales(2.5)] == [b.kind.scale(2.5) for b in layout.blocks for _ in range(b.width)]
     norms = np.linalg.norm(sr.System(motor()).q0[layout.rotations], axis=1)
     assert norms == pytest.approx(1.0)
 

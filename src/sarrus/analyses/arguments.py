@@ -69,13 +69,20 @@ def refuse_for_positions(system: object, analysis: str, why: str = OF_POSITIONS)
     TypeError
         With the right call.
     SarrusError
-        With the first-order states, or the first of the joints that roll, and `why` these are refused.
+        With the first-order states, the blocks of coordinates of parts, or the first of the joints that roll, and `why`
+        these are refused.
     """
     states = (*system.states, *system.followed_states) if isinstance(system, System) else ()
     if isinstance(system, System) and states:
         raise SarrusError(
             f"{system.name}: {analysis} is an analysis of positions, but {', '.join(states)} are first-order "
             "states, which follow from a motion. Simulate, or remove the states from the model."
+        )
+    others = system.layout.moving.owners[len(system.bodies) :] if isinstance(system, System) else ()
+    if isinstance(system, System) and others:
+        raise SarrusError(
+            f"{system.name}: {analysis} is an analysis of positions, but the coordinates of {', '.join(others)} "
+            "follow from forces. Simulate, or remove these parts from the model."
         )
     refuse_other_system(system, analysis, nonholonomic=why)
 

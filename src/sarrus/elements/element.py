@@ -7,7 +7,8 @@ A kernel is a method that returns the element's share of one operator, as NumPy 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Annotated, Any, ClassVar, NamedTuple, TypeAlias, dataclass_transform
 
 from ..algebra import Array, Row
@@ -76,10 +77,19 @@ class Kind(NamedTuple):
     is_length: bool
     ground: tuple[float, ...] = ()
 
+    def scale(self, length: float) -> float:
+        """The size of a unit change: the length for displacements and amplitudes, 1 for Euler parameters."""
+        return length if self.is_length else 1.0
+
 
 POSITION = Kind("position", ("r.x", "r.y", "r.z"), True, (0, 0, 0))
 ROTATION = Kind("rotation", ("p.e0", "p.e1", "p.e2", "p.e3"), False, (1, 0, 0, 0))
 RIGID = (POSITION, ROTATION)  # the blocks of a rigid body
+
+
+def modal(count: int) -> Kind:
+    """The kind of a block of amplitudes of modes, which are displacements."""
+    return Kind("modal", tuple(f"w{n + 1}" for n in range(count)), True)
 
 
 class Pair(NamedTuple):
@@ -175,8 +185,21 @@ class Element:
 
     @classmethod
     def owners(cls) -> tuple[tuple[Kind, ...], ...]:
-        """The kinds of the blocks that it touches, for each owner, which is a body."""
+        """The kinds of the blocks that it touches, for each owner: by default those of rigid bodies."""
         return (RIGID,) * cls.bodies
+
+    @classmethod
+    def is_body(cls, n: int) -> bool:
+        """Whether an owner is a rigid body."""
+        return cls.owners()[n] == RIGID
+
+    @classmethod
+    def by_owner(cls, blocks: Sequence[Any]) -> list[tuple[Any, ...]]:
+        """Blocks of coordinates, or for them, of each owner."""
+        ends = [0]
+        for kinds in cls.owners():
+            ends.append(ends[-1] + len(kinds))
+        return [tuple(blocks[first:end]) for first, end in pairwise(ends)]
 
     @classmethod
     def coordinates(cls) -> tuple[int, ...]:

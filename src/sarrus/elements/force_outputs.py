@@ -27,42 +27,42 @@ class ForceOutputs:
         def Q(self, x: Any, v: Any, t: Any) -> Any:
             """The generalized force, two blocks for each body."""
 
-    @output("N", "force", vector=True)
+    @output("N", "force", vector=True, of=-1)
     def force_on_last_body(self, x: Any, v: Any, t: Any) -> Any:
         """The force on its last body, in global axes."""
         return _force(self.Q(x, v, t)[-2])
 
-    @output("N m", "torque", vector=True)
+    @output("N m", "torque", vector=True, of=-1)
     def torque_on_last_body(self, x: Any, v: Any, t: Any) -> Any:
         """The torque on its last body about that body's origin, in global axes."""
         return _torque(self.Q(x, v, t)[-1], x[-1])
 
-    @output("N", "force_i", vector=True, bodies=2)
+    @output("N", "force_i", vector=True, bodies=2, of=0)
     def force_on_first_body(self, x: Any, v: Any, t: Any) -> Any:
         """The force on its first body, in global axes."""
         return _force(self.Q(x, v, t)[0])
 
-    @output("N m", "torque_i", vector=True, bodies=2)
+    @output("N m", "torque_i", vector=True, bodies=2, of=0)
     def torque_on_first_body(self, x: Any, v: Any, t: Any) -> Any:
         """The torque on its first body about that body's origin, in global axes."""
         return _torque(self.Q(x, v, t)[1], x[1])
 
-    @output("N", "force_body", vector=True)
+    @output("N", "force_body", vector=True, of=-1)
     def force_on_last_body_in_its_axes(self, x: Any, v: Any, t: Any) -> Any:
         """The force on its last body, in the axes of that body."""
         return self.force_on_last_body(x, v, t) @ A(x[-1])
 
-    @output("N m", "torque_body", vector=True)
+    @output("N m", "torque_body", vector=True, of=-1)
     def torque_on_last_body_in_its_axes(self, x: Any, v: Any, t: Any) -> Any:
         """The torque on its last body, in the axes of that body."""
         return self.torque_on_last_body(x, v, t) @ A(x[-1])
 
-    @output("N", "force_i_body", vector=True, bodies=2)
+    @output("N", "force_i_body", vector=True, bodies=2, of=0)
     def force_on_first_body_in_its_axes(self, x: Any, v: Any, t: Any) -> Any:
         """The force on its first body, in the axes of that body."""
         return self.force_on_first_body(x, v, t) @ A(x[1])
 
-    @output("N m", "torque_i_body", vector=True, bodies=2)
+    @output("N m", "torque_i_body", vector=True, bodies=2, of=0)
     def torque_on_first_body_in_its_axes(self, x: Any, v: Any, t: Any) -> Any:
         """The torque on its first body, in the axes of that body."""
         return self.torque_on_first_body(x, v, t) @ A(x[1])

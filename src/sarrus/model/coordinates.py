@@ -1,14 +1,36 @@
-"""The coordinates of a rigid body, and their indices in q."""
+"""The coordinates of a rigid body and their indices in q, and blocks of coordinates of other parts."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from ..algebra import Array
+from ..elements.element import Kind
+from .arithmetic import Numeric
 from .show import quote, suggest
 
 POSITION, ROTATION = 3, 4  # widths of r [m] and of the Euler parameters p
 WIDTH = POSITION + ROTATION
+
+
+class CoordinateBlock(NamedTuple):
+    """Coordinates that a part adds to those of bodies, such as amplitudes of modes.
+
+    Attributes
+    ----------
+    name
+        That of the part, or ``masses.modes`` of a part ``masses``. Elements name it in the place of a body.
+    kinds
+        Those of its blocks, such as ``(modal(5),)``.
+    q, v
+        Coordinates at the start of a run, and their rates.
+    """
+
+    name: str
+    kinds: tuple[Kind, ...]
+    q: Sequence[Numeric]
+    v: Sequence[Numeric]
 
 
 def number_of(body: str, bodies: Sequence[str], name: str) -> int:

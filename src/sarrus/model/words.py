@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ..console import printable
+from ..elements import EccentricInertia, RigidInertia
 from .coordinates import slice_of
 from .drivers import Driver
 from .errors import listed
@@ -54,7 +55,7 @@ def mass_and_center(plan: Blueprint) -> tuple[float, Array]:
     """Return the mass of all bodies [kg] and their common centre of mass in the initial pose. (3,) [m]"""
     masses, centers = [], []
     for one in plan.placed:
-        if one.label == "inertia":
+        if issubclass(one.element, RigidInertia | EccentricInertia):
             fields = dict(zip(one.element.fields, one.values, strict=True))
             masses.append(fields["mass"])
             centers.append(global_point(plan, one.bodies[0], fields.get("center", (0.0, 0.0, 0.0))))
@@ -104,8 +105,11 @@ def _rates(model: Model) -> list[str]:
 def _freedom(plan: Blueprint) -> str:
     """Return the count of degrees of freedom, as it is when no equation is redundant."""
     rows = sum(one.element.rows for one in plan.placed if one.owner)  # none of states
-    free = 6 * len(plan.bodies) - rows
-    text = f"6 × {len(plan.bodies)} − {rows} = {free}"
+    others = sum(
+        len(kind.parts) for kinds in plan.owners.values() if kinds[0].name == "modal" for kind in kinds
+    )
+    free = 6 * len(plan.bodies) + others - rows
+    text = f"6 × {len(plan.bodies)}{f' + {others}' * (others > 0)} − {rows} = {free}"
     if free < 0:
         return f"degrees of freedom: {text}; there are redundant equations, or it cannot move"
     return f"degrees of freedom: {text}, if no equation is redundant"

@@ -99,7 +99,7 @@ def _measuring(kind: Any, method: str, n: int) -> type[Primitive]:
 
     name, methods = (
         f"{kind.__name__}_{method}_{n}",
-        {"Phi": Phi, "remember": lambda self, x: own(self).remember(x)},
+        {"Phi": Phi, "remember": lambda self, x: own(self).remember(x), "owners": kind.owners},
     )
     body = methods | {"__annotations__": dict(kind.fields), "__module__": kind.__module__}
     options: dict[str, Any] = {"derivatives": "automatic", "rare": True, "registered": False}

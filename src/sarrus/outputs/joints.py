@@ -53,7 +53,7 @@ def _bodies(system: System, coupling: str) -> list[str]:
         return []
     parts = [(p, k) for p in system.populations if p.kind.rows for k in members_of(p, coupling)]
     found = {system.layout.owner_of[first] for p, k in parts for first in firsts(p, k) if first >= 0}
-    return [system.bodies[n] for n in sorted(found)]
+    return [system.bodies[n] for n in sorted(found) if n < len(system.bodies)]
 
 
 def _placed(name: str) -> Callable[[System], Placement]:

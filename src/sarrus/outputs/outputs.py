@@ -266,9 +266,9 @@ class Outputs(EnergyRecording):
         lam = np.array([self.input("lam", row) for row in rows], dtype=object)
         blocks = self._blocks(p, k, lam)
         total = np.array([0.0 for _ in range(WIDTH)], dtype=object)
-        for n, first in enumerate(firsts(p, k)):
+        for first, on_it in zip(firsts(p, k), p.kind.by_owner(blocks), strict=True):
             if first == body:
-                for at, block in ((0, blocks[2 * n]), (3, blocks[2 * n + 1])):
+                for at, block in zip((0, 3), on_it, strict=True):
                     if block is not None:
                         total[at : at + len(block)] = total[at : at + len(block)] + block
         return total

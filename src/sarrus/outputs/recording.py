@@ -196,11 +196,12 @@ class Recording:
     def local(self, p: Population, k: int, kind: str, *, states: bool = True) -> Any:
         """Coordinates, or velocities, of an element's bodies; without `states`, blocks of states stand still."""
         end = self.system.nq if states else self.system.moving
-        still = STILL if kind == "q" else np.zeros_like(STILL)
+        ground = STILL if kind == "q" else np.zeros_like(STILL)
         parts = [
-            still if first < 0 or first >= end else [self.input(kind, n) for n in range(first, first + width)]
+            ground if first < 0 else np.zeros(width) if first >= end
+            else [self.input(kind, n) for n in range(first, first + width)]
             for first, width in owners(p, k)
-        ]
+        ]  # fmt: skip
         return partition(p.kind, np.array([x for part in parts for x in part], dtype=object))
 
     def vector(self, kind: str, body: str) -> Array:

@@ -43,6 +43,18 @@ def _value(system: System, name: str, o: Any) -> Any:
 
 
 @provides
+def amplitudes(system: System, part: str | None) -> Iterator[Output]:
+    """Coordinates that parts add to those of bodies, and their rates: ``modes.w1``, ``modes.w1.rate``."""
+    layout = system.layout
+    for block in layout.moving.blocks[len(layout.bodies.blocks) :]:
+        unit, is_asked = "m" if block.kind.is_length else "1", part in (None, block.owner.partition(".")[0])
+        for n, word in enumerate(block.kind.parts if is_asked else ()):
+            name, place = f"{block.owner}.{word}", block.start + n
+            yield Output(name, unit, calls("input", "q", place), place=place)
+            yield Output(f"{name}.rate", f"{unit}/s", calls("input", "v", place), Level.VELOCITY)
+
+
+@provides
 def states(system: System, part: str | None) -> Iterator[Output]:
     """The states of a part: of a `StateVariable` its own name, of others ``motor.current``."""
     for kind, level, found in (

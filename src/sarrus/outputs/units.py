@@ -20,7 +20,7 @@ NEWTON, JOULE = {"kg": 1.0, "m": 1.0, "s": -2.0}, {"N": 1.0, "m": 1.0}
 MOST = 3  # power of the newton in a unit
 TABLE = re.compile(r"\b\d+\.[xy]$")
 INVERSE = ("asin", "acos", "atan", "atan2")  # functions whose values are angles
-STATES = {"start.q": {"r": "m"}, "start.v": {"r": "m/s", "p": "1/s"}}  # of coordinates of bodies
+STATES = {"start.q": ("m", "1"), "start.v": ("m/s", "1/s")}  # of displacements, and of Euler parameters
 
 
 def product(*factors: tuple[str, float]) -> str:
@@ -95,7 +95,7 @@ def units_of_parameters(model: Model, names: Sequence[str]) -> tuple[str, ...]:
         if part in model.formulas.points:
             return "m"
         if (state := ".".join([part, *path[:1]])) in STATES and len(path) > 2:
-            return STATES[state].get(path[2], "1")
+            return STATES[state][path[-1].startswith("e")]
         if part not in parts or not path:
             return ""
         if isinstance(place := getattr(parts[part], path[0], None), Point | Frame):

@@ -47,7 +47,7 @@ class Modes(Result):
     M, D, K : (d, d) mass, damping and stiffness matrix there; about a motion, with all gyroscopic terms
     Z : (nq, d) change of the coordinates per independent one
     round_off : (k,) error of each eigenvalue: round-off of the equations of motion times its condition number [1/s]
-    energy_shares : (bodies, k) fraction of each body in the kinetic energy of each mode
+    energy_shares : (owners, k) fraction of each body, or block of a part, in the kinetic energy of each mode
     steady : difference of the acceleration from that of a steady motion [m/s²], [1/s²]
     message : one message about stability
     t, v, lam : time [s], velocities (nq,) and multipliers (m,) of the linearization
@@ -74,6 +74,11 @@ class Modes(Result):
     v: Array = field(default_factory=lambda: np.zeros(0), repr=False, kw_only=True)
     lam: Array = field(default_factory=lambda: np.zeros(0), repr=False, kw_only=True)
     system: System | None = field(default=None, repr=False, compare=False, kw_only=True)
+
+    @property
+    def owners(self) -> tuple[str, ...]:
+        """Names of what moves: the bodies, and behind them the blocks of coordinates of parts."""
+        return self.bodies if self.system is None else self.system.layout.moving.owners
 
     @property
     def frequencies(self) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -11,9 +11,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..elements.element import POSITION, ROTATION, Kind
-from ..model.coordinates import WIDTH
-
-STATES = Kind("states", POSITION.parts, True)  # first-order states: displacements of a hidden body
+from ..model.states.block import STATES
 
 
 class Block(NamedTuple):
@@ -22,7 +20,7 @@ class Block(NamedTuple):
     Attributes
     ----------
     kind : Kind
-    owner : the body, or ``states 1``: a hidden body, whose Euler parameters are held by constraints
+    owner : the body, the block of a part, or ``states 1``: a hidden body, whose Euler parameters are held
     start : index of its first coordinate
     """
 
@@ -40,33 +38,25 @@ class Block(NamedTuple):
         """Its indices in q and v."""
         return slice(self.start, self.start + self.width)
 
-    def scale(self, length: float) -> float:
-        """The size of a unit change: the length for positions, 1 for Euler parameters."""
-        return length if self.kind.is_length else 1.0
-
 
 @dataclass(frozen=True, eq=False)
 class Layout:
     """The blocks of all coordinates in their order, and index arrays that follow from them.
 
-    An owner is a body or a hidden body of first-order states, all of whose blocks are adjacent.
+    All blocks of an owner are adjacent, displacements first. Owners are bodies, then what else moves, such as the modes
+    of a body, then hidden bodies of first-order states.
     """
 
     blocks: tuple[Block, ...]
 
     @classmethod
-    def of(cls, bodies: Sequence[str], hidden: int = 0) -> Layout:
-        """The layout of bodies by name, and of hidden bodies of states."""
-        owners = [(POSITION, name) for name in bodies]
-        owners += [(STATES, f"states {n + 1}") for n in range(hidden)]
-        first = range(0, WIDTH * len(owners), WIDTH)
-        return cls(
-            tuple(
-                block
-                for (kind, name), at in zip(owners, first, strict=True)
-                for block in (Block(kind, name, at), Block(ROTATION, name, at + len(kind.parts)))
-            )
-        )
+    def of(cls, owners: Mapping[str, tuple[Kind, ...]]) -> Layout:
+        """The layout of the blocks of owners by name."""
+        blocks: list[Block] = []
+        for name, kinds in owners.items():
+            for kind in kinds:
+                blocks.append(Block(kind, name, blocks[-1].slice.stop if blocks else 0))
+        return cls(tuple(blocks))
 
     @property
     def size(self) -> int:
@@ -76,8 +66,14 @@ class Layout:
     @cached_property
     def bodies(self) -> Layout:
         """The blocks of bodies alone, which come first."""
-        hidden = {block.owner for block in self.blocks if block.kind is STATES}
-        return Layout(tuple(block for block in self.blocks if block.owner not in hidden))
+        bodies = {block.owner for block in self.blocks if block.kind == POSITION}
+        return Layout(tuple(block for block in self.blocks if block.owner in bodies))
+
+    @cached_property
+    def moving(self) -> Layout:
+        """The blocks of all that moves, without first-order states, which come last."""
+        states = {block.owner for block in self.blocks if block.kind == STATES}
+        return Layout(tuple(block for block in self.blocks if block.owner not in states))
 
     @cached_property
     def widths(self) -> Array:
@@ -107,8 +103,9 @@ class Layout:
 
     @cached_property
     def bounds(self) -> Array:
-        """Where the blocks of each owner begin and end: r, p, and the next owner (owners, 3)."""
-        return np.column_stack([self.firsts, self.rotations[:, 0], self.rotations[:, -1] + 1])
+        """Where displacements, what is none, and the next owner begin, for each owner (owners, 3)."""
+        lengths = np.bincount(self.owner_of, self.is_length, len(self.firsts)).astype(np.int64)
+        return np.column_stack([self.firsts, self.firsts + lengths, np.append(self.firsts[1:], self.size)])
 
     @cached_property
     def positions(self) -> Array:
@@ -117,7 +114,7 @@ class Layout:
 
     @cached_property
     def rotations(self) -> Array:
-        """Indices of all Euler parameters (owners, 4)."""
+        """Indices of all Euler parameters (owners that have some, 4)."""
         return self._places(ROTATION)
 
     @cached_property
@@ -126,8 +123,8 @@ class Layout:
         return np.repeat(np.array([block.kind.is_length for block in self.blocks], dtype=bool), self.widths)
 
     def scales(self, length: float) -> Array:
-        """The size of a unit change of each coordinate, see `Block.scale` (nq,)."""
-        return np.where(self.is_length, length, 1.0)
+        """The size of a unit change of each coordinate, see `Kind.scale` (nq,)."""
+        return np.repeat(np.array([block.kind.scale(length) for block in self.blocks]), self.widths)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -135,5 +132,5 @@ class Layout:
         return tuple(f"{block.owner}.{part}" for block in self.blocks for part in block.kind.parts)
 
     def _places(self, kind: Kind) -> Array:
-        first = np.array([block.start for block in self.blocks if block.kind is kind], dtype=np.int64)
+        first = np.array([block.start for block in self.blocks if block.kind == kind], dtype=np.int64)
         return first[:, None] + np.arange(len(kind.parts))

@@ -18,7 +18,7 @@ from ..elements import OPERATORS
 from ..elements.operators import Axis
 from ..model import Input, Model
 from ..model.announcement import accepts_strict, announce
-from ..model.coordinates import by_body, coordinates_of
+from ..model.coordinates import coordinates_of
 from ..model.deprecated import withdrawn
 from ..model.expansion.blueprint import Placement, blueprint
 from ..model.expansion.marker import Marker, marker
@@ -91,9 +91,10 @@ class System(Display, ConstraintOperators, InertiaOperators, ForceOperators):
         self.bodies = plan.bodies
         self.q0, self.v0, self.given_v0 = plan.q, plan.v, plan.given
         self.states, self.followed_states = plan.states, plan.followed_states
-        self.layout = Layout.of(plan.bodies, len(by_body(plan.q)) - len(plan.bodies))
-        self.nq, firsts = self.layout.size, self.layout.firsts
-        self.populations, self.b = populate((*plan.placed, *normalizations(len(firsts))), firsts)
+        self.layout = Layout.of(plan.owners)
+        self.nq = self.layout.size
+        placed = *plan.placed, *normalizations(plan.owners)
+        self.populations, self.b = populate(placed, self.layout.firsts)
         self.m, self.m_holonomic = _rows(self.populations), _rows(self._holonomic_populations())
         self.nb = max((p.end for p in self.populations), default=0)
         self.structure = structure_of(self.populations, self.layout.widths, self.m, self.nb)

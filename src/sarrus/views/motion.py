@@ -12,7 +12,7 @@ from .._jit.formulas.replay import needed
 from ..algebra import Array, cross
 from ..elements import Force
 from ..euler import E, rotate
-from ..model.coordinates import POSITION, by_body
+from ..model.coordinates import POSITION, by_body, slice_of
 from ..model.show import MOST as LISTED
 from ..results import Trajectory
 from ..system import System
@@ -55,7 +55,7 @@ def frames(run: Trajectory, most: int = MOST) -> Frames:
     h = np.maximum(run.t[k + 1] - run.t[k], np.finfo(float).tiny)[:, None]
     s = (t - run.t[k])[:, None] / h
     given, v = np.asarray(run.q), np.asarray(run.v)  # they may be in files
-    q = same_signs(given)
+    q = same_signs(given, len(run.bodies))
     return Frames(t, *_cubic(s, h, q, np.where(q == given, 1.0, -1.0) * v, k))
 
 
@@ -68,10 +68,10 @@ def _cubic(s: Array, h: Array, q: Array, v: Array, k: Array) -> tuple[Array, Arr
     return value, rate / h
 
 
-def same_signs(q: Array) -> Array:
-    """The same rotations with p and not -p where that is nearer to the time before."""
+def same_signs(q: Array, bodies: int) -> Array:
+    """The same rotations of so many bodies with p and not -p where that is nearer to the time before."""
     out = q.copy()
-    p = by_body(out)[..., POSITION:]
+    p = by_body(out[:, : slice_of(bodies).start])[..., POSITION:]
     flips = np.where(np.einsum("tij,tij->ti", p[1:], p[:-1]) < 0, -1.0, 1.0)
     p[1:] *= np.cumprod(flips, axis=0)[..., None]
     return out
@@ -97,8 +97,11 @@ def loads(system: System, p: Population, at: Frames) -> Iterator[tuple[int, Load
     graph = Graph()
     element, (x, v, t) = recorded_element(p.variant, graph, graph.inputs("numbers", p.kind.size()))
     Q, slots = element.Q(x, v, t), p.variant.slots
-    moving = [side for side, slot in enumerate(slots) if slot >= 0]
-    own = [(x[2 * n : 2 * n + 2], Q[2 * n : 2 * n + 2], _point(element, n, len(slots))) for n in moving]
+    moving = [side for side, slot in enumerate(slots) if slot >= 0 and p.kind.is_body(side)]
+    if not moving:
+        return
+    states, forces = p.kind.by_owner(x), p.kind.by_owner(Q)
+    own = [(states[n], forces[n], _point(element, n, len(slots))) for n in moving]
     wanted = graph.expressions(number for one in own for number in _wrench(*one))
     operands = _remembered(system, at), at._asdict()
     values = values_of_elements(p, graph, wanted, needed(graph, wanted), system.b, *operands)

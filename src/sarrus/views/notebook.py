@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..model import Model
-from ..model.coordinates import by_body
+from ..model.coordinates import by_body, slice_of
 from ..model.show import MOST
 from ..outputs.output import labelled
 from ..results import Assembly, Gradient, Hessian, Mobility, Modes, Optimum, Trajectory, Workspace
@@ -122,7 +122,7 @@ def _(result: Trajectory) -> Table:
 
 def _places(bodies: Sequence[str], q: Any) -> list[tuple[str, ...]]:
     """The positions of bodies."""
-    places = by_body(np.asarray(q))[:, :3]
+    places = by_body(np.asarray(q)[: slice_of(len(bodies)).start])[:, :3]
     places = np.where(abs(places) > ROUND_OFF * abs(places).max(initial=0.0), places, 0.0)
     return [(name, *(f"{x:.6g}" for x in place)) for name, place in zip(bodies, places, strict=False)]
 

@@ -195,7 +195,7 @@ def _scene(run: Trajectory, name: str, traces: Iterable[Trace], selection: Any, 
 
 def _drawn_frames(at: Frames, drawn: Sketch) -> Frames:
     """Return frames with the coordinates of bodies, and of roads and wheels that move, without first-order states."""
-    q = same_signs(drawn.coordinates(at.t, at.q, at.v))
+    q = same_signs(drawn.coordinates(at.t, at.q, at.v), len(drawn.bodies) + len(drawn.moving))
     return at._replace(q=q, v=at.v[:, : slice_of(len(drawn.bodies)).start])
 
 

@@ -163,10 +163,11 @@ def first_places(p: Population, name: str) -> Array:
 def _fields(system: System) -> Iterator[tuple[Array, Array | None]]:
     """Yield the places of points (count, 3), and where their bodies begin but for the ground."""
     for p in system.populations:
-        if p.count and p.kind.bodies <= 2:
+        bodies = [slot for n, slot in enumerate(p.variant.slots) if p.kind.is_body(n)]
+        if p.count and len(bodies) <= 2:
             for name, side in POINTS.items():
-                if p.kind.fields.get(name) == "Vec3":
-                    slot = p.variant.slots[side]
+                if p.kind.fields.get(name) == "Vec3" and side < len(bodies):
+                    slot = bodies[side]
                     at = first_places(p, name)[:, None] + np.arange(3)
                     yield at, None if slot < 0 else p.bodies[:, slot]
 

@@ -133,8 +133,9 @@ def left_out(system: System, rows: Array | None) -> Omissions:
     places = pattern.indptr.astype(whole), pattern.indices.astype(whole)
     force, wrenches = of.forces(), np.zeros((len(others) + 1, 6 * len(of.body)))
     apart = np.column_stack(np.unravel_index(of.columns, force.shape))
-    sizes = np.array([of.least, of.otherwise])
-    return Omissions(others, *places, *numbers, apart, of.body, of.point, of.weight, sizes, force, wrenches)
+    sizes, weight = np.array([of.least, of.otherwise]), np.zeros(len(force))
+    weight[: len(of.weight)] = of.weight
+    return Omissions(others, *places, *numbers, apart, of.body, of.point, weight, sizes, force, wrenches)
 
 
 class Omissions(NamedTuple):
@@ -147,10 +148,11 @@ class Omissions(NamedTuple):
     columns : the coordinate that each number of Φ_q belongs to
     Phi_q : numbers of all equations at a state
     null : (k, m) combinations of equations that vanish there
-    apart : for each number of Φ_q the part's body in `body`, and which of its coordinates
-    body, point, weight : see `Supports`
+    apart : for each number of Φ_q its place in `force`
+    body, point : see `Supports`
+    weight : that of bodies in `Supports`, and 0 for other owners of coordinates
     lengths : `least` and `otherwise`
-    force, wrenches : work arrays (c, 7), (k + 1, 6 c)
+    force, wrenches : work arrays, see `Supports.forces`, and (k + 1, 6 c)
     """
 
     rows: Array

@@ -116,9 +116,11 @@ def along(system: System, q: Array, Z: Array, M: csr_array) -> str | None:
     sizes, shapes = eigh(motions.T @ (M @ motions))
     if sizes[0] > LEAST * sizes[-1]:
         return None
-    spins = (motions @ shapes[:, 0])[layout.bodies.rotations]
+    moved = (motions @ shapes[:, 0]) ** 2
+    moved[layout.positions] = 0.0
+    owner = layout.owners[int(np.argmax(np.add.reduceat(moved, layout.firsts)))]
     return (
-        f"body {list(system.bodies)[int(np.argmax((spins**2).sum(axis=1)))]}: it has no inertia along a motion that "
+        f"{'body ' * (owner in system.bodies)}{owner}: it has no inertia along a motion that "
         "its joints allow, or less than 1e-14 of the largest in the model. Give it mass and inertia about all axes."
     )
 

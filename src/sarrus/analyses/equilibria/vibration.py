@@ -19,7 +19,6 @@ from ...algebra import Array, skew
 from ...euler import A, E, bar, bar_E
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
-from ...model.coordinates import POSITION, WIDTH
 from ...results import Modes
 from ...system import System
 from ...system.layout import Layout
@@ -217,9 +216,9 @@ def _is_steady(system: System, at: BaseState, turning: Array, terms: Terms) -> b
 
 
 def _energy_shares(system: System, at: BaseState, shapes: Array) -> Array:
-    """Part of the kinetic energy of each mode that each body has (bodies, k)."""
+    """Part of the kinetic energy of each mode that each owner of coordinates has (owners, k)."""
     energy = (shapes.conj() * (system.M(at.q, b=at.b) @ shapes)).real[: system.moving]
-    energy = energy[system.layout.bodies.firsts[:, None] + np.arange(WIDTH)].sum(axis=1)
+    energy = np.add.reduceat(energy, system.layout.moving.firsts)
     total = energy.sum(axis=0)
     return np.asarray(energy / np.where(total > 0, total, 1.0))
 
@@ -245,10 +244,9 @@ def generator(layout: Layout, q: Array, v: Array, turning: Array) -> Array:
     For each body, ṙ = Ω x r and ṗ = ½ Eᵀ(p) Ω + ½ Gᵀ(p) ω', with ω' = Aᵀ(ω - Ω) its own angular velocity.
     """
     X = np.zeros((len(q), len(q)))
-    for at in layout.firsts:
-        r, turned = slice(at, at + POSITION), slice(at + POSITION, at + WIDTH)
-        p, pd = q[turned], v[turned]
+    for r, turned in zip(layout.positions[..., None], layout.bodies.rotations[..., None], strict=True):
+        p, pd = q[turned[:, 0]], v[turned[:, 0]]
         omega = A(p).T @ (2 * E(p) @ pd - turning)
-        X[r, r] = skew(turning)
-        X[turned, turned] = 0.5 * (bar_E(turning) + bar(omega))
+        X[r, r.T] = skew(turning)
+        X[turned, turned.T] = 0.5 * (bar_E(turning) + bar(omega))
     return X

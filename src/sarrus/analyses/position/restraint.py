@@ -79,7 +79,8 @@ def restraint(layout: Layout, J: csr_array, row: int, q: Array) -> Restraint:
     gradient = np.zeros(len(q))
     place = slice(J.indptr[row], J.indptr[row + 1])
     gradient[J.indices[place]] = J.data[place]
-    firsts = layout.firsts[np.unique(layout.owner_of[J.indices[place]])[::-1]]
+    firsts = layout.bodies.firsts
+    firsts = firsts[[n for n in np.unique(layout.owner_of[J.indices[place]])[::-1] if n < len(firsts)]]
     for at in firsts:
         if np.linalg.norm(shift := gradient[at : at + POSITION]) > NOTHING:
             return _restraint("displacement", shift, at)

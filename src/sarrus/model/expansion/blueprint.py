@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...elements import Element
-from ...elements.element import WIDTHS
+from ...elements.element import RIGID, WIDTHS, Kind
 from ..checks.findings import part_name
 from ..checks.names import find
-from ..coordinates import WIDTH, slice_of
 from ..errors import ModelError
 from ..geometry.points import AXES, GROUND, rotation_about
-from ..geometry.pose import GROUND_POSE
 from ..laws.surface import Surface
 from ..model import Model
 from ..quantity import Array, number, numbers
 from ..show import show
 from ..states.block import Block
-from .expand import ORIGIN, BodyState, Piece, expand
+from .expand import Piece, expand
 
 
 class Placement(NamedTuple):
@@ -56,9 +54,11 @@ class Blueprint:
     name
         The model's name.
     bodies
-        Names of the bodies without the ground: ``bodies[b - 1]`` is body number b. Blocks of states follow them.
+        Names of the bodies without the ground: ``bodies[b - 1]`` is body number b. Other owners follow them.
+    owners
+        The kinds of the blocks of each body, other block of coordinates, and block of states, by name.
     q, v
-        Initial coordinates and their rates, 7 per body and block of states: [r; p] and [ṙ; ṗ].
+        Initial coordinates and their rates, of bodies [r; p] and [ṙ; ṗ].
     given
         True for the rates that the user gives, and for those of states.
     placed
@@ -75,6 +75,7 @@ class Blueprint:
 
     name: str
     bodies: tuple[str, ...]
+    owners: Mapping[str, tuple[Kind, ...]]
     q: Array
     v: Array
     given: Array
@@ -83,6 +84,10 @@ class Blueprint:
     rotations: tuple[Placement, ...] = ()
     states: Mapping[str, StatePlace] = field(default_factory=dict)
     followed_states: Mapping[str, StatePlace] = field(default_factory=dict)
+
+    def bodies_of(self, one: Placement) -> tuple[int, ...]:
+        """The bodies that an element is on by number, 0 for the ground, without other owners of coordinates."""
+        return tuple(number for number in one.bodies if number <= len(self.bodies))
 
 
 def blueprint(model: Model) -> Blueprint:
@@ -93,49 +98,72 @@ def blueprint(model: Model) -> Blueprint:
     ModelError
         For the first thing that is wrong in the model: part, file and line, remedy.
     """
-    bodies, pieces, coordinates, blocks = expand(model)
+    bodies, pieces, coordinates, others, blocks = expand(model)
     names = tuple(body.name for body in bodies)
-    index = {name: number for number, name in enumerate((GROUND, *names, *(block.name for block in blocks)))}
+    behind = (*others, *(block.coordinates() for block in blocks))
+    owners = dict.fromkeys(names, RIGID) | {block.name: block.kinds for block in behind}
+    every = {GROUND: RIGID, **owners}
+    known = {name: Owner(number, every[name]) for number, name in enumerate(every)}
     placed, measures = (
-        tuple(_place(piece, index, model) for piece in some) for some in (pieces, coordinates)
+        tuple(_place(piece, known, model) for piece in some) for some in (pieces, coordinates)
     )
     rotations = tuple(
-        _place(Piece(name, rotation_about(axis, name)), index, model) for name in names for axis in AXES
+        _place(Piece(name, rotation_about(axis, name)), known, model) for name in names for axis in AXES
     )
-    q, v = _coordinates(bodies, blocks), _rates(bodies, blocks)
-    states, followed = (_places(len(bodies), blocks, kind) for kind in (False, True))
-    given = np.array(
-        [*(x for body in bodies for x in body.given), *(True for _ in blocks for _ in range(WIDTH))],
-        dtype=bool,
-    )
-    return Blueprint(model.name, names, q, v, given, placed, measures, rotations, states, followed)
+    poses = [x for body in bodies for x in (*body.start.r, *body.start.p)]
+    q = np.array([*poses, *(x for block in behind for x in block.q)])
+    v = np.array([*(x for body in bodies for x in body.rates), *(x for block in behind for x in block.v)])
+    firsts = np.cumsum([len(poses), *(len(block.q) for block in behind)])[len(others) :]
+    states, followed = (_places(firsts, blocks, kind) for kind in (False, True))
+    given = np.ones(len(q), dtype=bool)
+    given[: len(poses)] = [x for body in bodies for x in body.given]
+    return Blueprint(model.name, names, owners, q, v, given, placed, measures, rotations, states, followed)
 
 
-def _place(piece: Piece, index: dict[str, int], model: Model) -> Placement:
+class Owner(NamedTuple):
+    """A body, or another owner of coordinates: its number, and the kinds of its blocks."""
+
+    number: int
+    kinds: tuple[Kind, ...]
+
+
+def _place(piece: Piece, known: Mapping[str, Owner], model: Model) -> Placement:
     element, bodies, values, label = piece.primitive
     try:
-        _check_bodies(element, bodies, index)
+        _check_bodies(element, bodies, known)
         _check_values(element, values)
     except ModelError as wrong:
         message = f"its element {element.__name__} ({label}) {wrong.message}"
         part = part_name((_section(piece.owner, model), piece.owner))
         raise ModelError(message, part=part, field=wrong.field, where=model.where(piece.owner)) from None
-    return Placement(element, tuple(index[name] for name in bodies), values, piece.owner, label)
+    return Placement(element, tuple(known[name].number for name in bodies), values, piece.owner, label)
 
 
 def _section(owner: str, model: Model) -> str:
     return next(name for name, parts in model.sections().items() if any(p.name == owner for p in parts))
 
 
-def _check_bodies(element: type[Element], bodies: tuple[str, ...], index: dict[str, int]) -> None:
+def _check_bodies(element: type[Element], bodies: tuple[str, ...], known: Mapping[str, Owner]) -> None:
     if len(bodies) != element.bodies:
         raise ModelError(f"is for {element.bodies} bodies, but is given {len(bodies)}. Name as many.")
     given: tuple[Any, ...] = bodies
-    for name in given:
+    for name, wanted in zip(given, element.owners(), strict=True):
         if not isinstance(name, str):
             message = f"its bodies must be names, but one is {show(name)}"
             raise ModelError(f"{message}. Give body.name for a Body.", field="bodies")
-        find(name, index, "bodies")
+        kinds = find(name, known, "bodies").kinds
+        if _widths(kinds) != _widths(wanted):
+            message = f"is for blocks of {_words(wanted)}, but those of {name} are {_words(kinds)}"
+            raise ModelError(f"{message}. Name another one, or declare its owners().", field="bodies")
+
+
+def _widths(kinds: Sequence[Kind]) -> list[int]:
+    return [len(kind.parts) for kind in kinds]
+
+
+def _words(kinds: Sequence[Kind]) -> str:
+    """For example ``position (3) and rotation (4)``."""
+    return " and ".join(f"{kind.name} ({len(kind.parts)})" for kind in kinds)
 
 
 def _check_values(element: type[Element], values: tuple[Any, ...]) -> None:
@@ -160,19 +188,9 @@ def _check_values(element: type[Element], values: tuple[Any, ...]) -> None:
             numbers(value, WIDTHS[kind], name, f"Give {WIDTHS[kind]} numbers.")
 
 
-def _coordinates(bodies: tuple[BodyState, ...], blocks: tuple[Block, ...]) -> Array:
-    poses = [x for body in bodies for x in (*body.start.r, *body.start.p)]
-    slots = [x for b in blocks for x in (*(b.initial() if b.followed else ORIGIN), *GROUND_POSE.p)]
-    return np.array([*poses, *slots])
-
-
-def _rates(bodies: tuple[BodyState, ...], blocks: tuple[Block, ...]) -> Array:
-    slots = [x for b in blocks for x in (*(ORIGIN if b.followed else b.initial()), 0.0, 0.0, 0.0, 0.0)]
-    return np.array([*(x for body in bodies for x in body.rates), *slots])
-
-
-def _places(bodies: int, blocks: tuple[Block, ...], followed: bool) -> dict[str, StatePlace]:
+def _places(firsts: Array, blocks: tuple[Block, ...], followed: bool) -> dict[str, StatePlace]:
     return {
-        state.name: StatePlace(slice_of(bodies + n).start + k, state.unit, state.nominal)
-        for n, block in enumerate(blocks) if block.followed == followed for k, state in enumerate(block.states)
+        state.name: StatePlace(int(first) + k, state.unit, state.nominal)
+        for first, block in zip(firsts, blocks, strict=False) if block.followed == followed
+        for k, state in enumerate(block.states)
     }  # fmt: skip

@@ -9,10 +9,12 @@ from types import NoneType
 from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 from ... import elements
+from ...elements.element import RIGID
 from ..bodies.body import MassProperties
 from ..checks.findings import Findings
 from ..checks.names import check_name
 from ..coordinate import Coordinate, Known
+from ..coordinates import CoordinateBlock
 from ..drivers.of_states import driven_by_states, followed_states, motions_of, with_state_motions
 from ..errors import ModelError
 from ..forces.by_formula import RESERVED
@@ -26,7 +28,7 @@ from ..measure import In, measures_of
 from ..model import KINDS, Model
 from ..preparation.prepare import refuse_unprepared
 from ..primitive import Primitive
-from ..quantity import Array, Vec3, is_list, vector
+from ..quantity import Array, Vec3, is_list, numbers, vector
 from ..show import quote, show
 from ..signals import Signals
 from ..states.block import Block, StateValue, blocks_of
@@ -70,13 +72,16 @@ class ExpandedModel(NamedTuple):
         In the order joints, drivers, inertia, gravity, states, forces.
     coordinates
         Those of the joints.
+    others
+        Blocks of coordinates of parts, which come behind those of bodies.
     blocks
-        The first-order states.
+        The first-order states, which come last.
     """
 
     bodies: tuple[BodyState, ...]
     pieces: tuple[Piece, ...]
     coordinates: tuple[Piece, ...]
+    others: tuple[CoordinateBlock, ...]
     blocks: tuple[Block, ...]
 
 
@@ -103,7 +108,7 @@ def expand(model: Model) -> ExpandedModel:
     poses = {GROUND: GROUND_POSE, **{body.name: body.pose for body in bodies}}
     known: dict[str, tuple[Coordinate, ...]] = {}
     joints = _joints(model, poses, findings, known)
-    states = _states(model, findings)
+    others, states = _others(model, findings), _states(model, findings)
     drivers = _drivers(model, poses, findings, known, states)
     blocks, signals, own = _signals(model, poses, findings, known, states, drivers, bodies)
     constraints = (*joints, *_driven(model, drivers, findings, signals))
@@ -114,7 +119,7 @@ def expand(model: Model) -> ExpandedModel:
     coordinates = (Piece(joint, one.measure) for joint, found in known.items() for one in found)
     hidden = (Piece("", piece) for block in blocks for piece in block.primitives())
     pieces = (*constraints, *_loads(bodies, gravity), *hidden, *forces)
-    return ExpandedModel(bodies, pieces, tuple(coordinates), blocks)
+    return ExpandedModel(bodies, pieces, tuple(coordinates), others, blocks)
 
 
 def _check_names(model: Model) -> None:
@@ -245,6 +250,29 @@ def _kinds(states: Sequence[StateValue], inputs: Mapping[str, Input]) -> dict[st
     return {one.name: "a state" for one in states} | dict.fromkeys(inputs, "an input")
 
 
+def _others(model: Model, findings: Findings) -> tuple[CoordinateBlock, ...]:
+    """The blocks of coordinates of all parts."""
+    found: list[CoordinateBlock] = []
+    taken = {GROUND: "the ground", **{body.name: "a body" for body in model.bodies}}
+    for force in model.forces:
+        with findings.about("forces", force.name):
+            for block in force.blocks():
+                _check_new(block.name, taken, "blocks")
+                if block.name.partition(".")[0] != force.name:
+                    message = f"the name {quote(block.name)} of its block must begin with its own. "
+                    raise ModelError(
+                        f"{message}Write {quote(force.name)}, or {quote(force.name + '.modes')}."
+                    )
+                if not block.kinds or set(block.kinds) & set(RIGID):
+                    message = f"Blocks of {block.name} must be amplitudes. Give (modal(n),) as its kinds."
+                    raise ModelError(message, field="blocks")
+                size = sum(len(kind.parts) for kind in block.kinds)
+                for field in ("q", "v"):
+                    numbers(getattr(block, field), size, field, f"Give {size} numbers for {block.name}.")
+                found.append(block)
+    return tuple(found)
+
+
 def _states(model: Model, findings: Findings) -> list[StateValue]:
     """The first-order states of all parts."""
     states: list[StateValue] = []
@@ -365,7 +393,8 @@ def signals_of(model: Model) -> tuple[Signals, tuple[str, ...]]:
     states = _states(model, findings)
     drivers = _drivers(model, poses, findings, known, states)
     blocks, found, _ = _signals(model, poses, findings, known, states, drivers, bodies)
-    return found, (*(body.name for body in bodies), *(block.name for block in blocks))
+    others = _others(model, findings)
+    return found, tuple([one.name for some in (bodies, others, blocks) for one in some])
 
 
 def _loads(bodies: tuple[BodyState, ...], gravity: Vec3) -> Iterator[Piece]:

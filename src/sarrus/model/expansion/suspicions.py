@@ -87,10 +87,9 @@ class Suspicions:
         """The points of joints, drivers and forces on each body, by number."""
         points: dict[int, list[Reach]] = {number: [] for number in self.properties}
         for one in self.plan.placed:
-            for slot, s in points_of(one):
-                if one.bodies[slot] in points:
-                    center = self.properties[one.bodies[slot]][2]
-                    points[one.bodies[slot]].append(Reach(one.owner, s - center))
+            for number, s in self._points(one):
+                if number in points:
+                    points[number].append(Reach(one.owner, s - self.properties[number][2]))
             body = one.bodies[-1] if one.element.nonholonomic else one.bodies[0]  # which rolls, or touches
             if body in points and "radius" in one.element.fields:
                 points[body].append(Reach(one.owner, np.array([values_of(one)["radius"], 0.0, 0.0])))
@@ -99,9 +98,16 @@ class Suspicions:
     @cached_property
     def size(self) -> float:
         """The largest extent of the mechanism in its initial pose. [m]"""
-        places = [self._place(one.bodies[slot], s) for one in self.plan.placed for slot, s in points_of(one)]
+        places = [self._place(*point) for one in self.plan.placed for point in self._points(one)]
         places += [self._place(number, center) for number, (_, _, center) in self.properties.items()]
         return float(np.ptp(places, axis=0).max())
+
+    def _points(self, one: Placement) -> Iterator[tuple[int, Array]]:
+        """Yield the number of the body that a point of an element is on, and the point in its axes. (3,) [m]"""
+        fields, bodies = values_of(one), self.plan.bodies_of(one)
+        for name, side in (("s", 0), ("s_i", 0), ("s_j", 1)):
+            if name in fields and side < len(bodies):
+                yield bodies[side], np.array(fields[name], dtype=float)
 
     def _place(self, number: int, local: Array) -> Array:
         """A point of a body, global in the initial pose. (3,) [m]"""
@@ -175,7 +181,7 @@ class Suspicions:
             if not issubclass(one.element, elements.TSDA | elements.NonlinearTSDA):
                 continue
             given = values_of(one)
-            ends = [self._place(one.bodies[slot], s) for slot, s in points_of(one)]
+            ends = [self._place(*point) for point in self._points(one)]
             length = float(np.linalg.norm(ends[1] - ends[0]))
             if given["length"] > UNLIKELY * length:
                 yield (
@@ -264,14 +270,6 @@ def parallel(a: Array, b: Array) -> bool:
 def values_of(one: Placement) -> dict[str, Any]:
     """The fields of an element by name."""
     return dict(zip((f for f, kind in one.element.fields.items() if kind != "Time"), one.values, strict=True))
-
-
-def points_of(one: Placement) -> Iterator[tuple[int, Array]]:
-    """Yield which body of an element a point of it is on, and the point in its axes. (3,) [m]"""
-    fields = values_of(one)
-    for name, slot in (("s", 0), ("s_i", 0), ("s_j", 1)):
-        if name in fields and slot < len(one.bodies):
-            yield slot, np.array(fields[name], dtype=float)
 
 
 def angles_of(model: Model) -> Iterator[tuple[str, str, float]]:

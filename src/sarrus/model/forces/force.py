@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
+from ..coordinates import CoordinateBlock
 from ..errors import ModelError
 from ..geometry.points import GROUND, refuse_other_axes
 from ..geometry.pose import Poses
@@ -60,6 +61,10 @@ class Force(Part):
 
     def variables(self) -> Iterator[tuple[str, Any]]:
         """Yield its outputs that are formulas, which others may use: name, and a function that records it."""
+        yield from ()
+
+    def blocks(self) -> Iterator[CoordinateBlock]:
+        """Yield the blocks of coordinates that it adds, to which its elements give inertia."""
         yield from ()
 
     def states(self) -> Iterator[Any]:

@@ -25,8 +25,9 @@ from ... import elements
 from ..._jit.formulas.expression import Expression as Recorded
 from ...algebra import I3, Array, Row
 from ...elements import InertiaElement, Nonholonomic, Single
-from ...elements.element import Grid, Scalar, Time
+from ...elements.element import POSITION, ROTATION, Grid, Kind, Scalar, Time
 from ..arithmetic import Numeric
+from ..coordinates import CoordinateBlock
 from ..errors import ModelError
 from ..forces.by_formula import WithParameters
 from ..forces.formula_element import FormulaLoad, OutputLaws, Target, load_primitive
@@ -40,6 +41,7 @@ from ..show import quote
 from ..signals import Measure, Signal, Signals
 from ..tape import value_of
 
+STATES = Kind("states", POSITION.parts, True)  # displacements of a hidden body
 SLOTS, CLOCK = 3, 2  # states of a block; the slot of the clock where drivers follow them
 RATE = "rate"
 
@@ -265,10 +267,12 @@ class Block(NamedTuple):
     mass: float
     followed: bool = False
 
-    def initial(self) -> Array:
-        """The initial values in the slots of its body (3,)."""
-        values = [state.initial for state in self.states]
-        return np.array(values + [0.0] * (SLOTS - len(values)))
+    def coordinates(self) -> CoordinateBlock:
+        """Its coordinates and velocities at the start."""
+        values = [*(state.initial for state in self.states), 0.0, 0.0, 0.0][:SLOTS]
+        still, upright = [0.0] * SLOTS, ROTATION.ground
+        q, v = (values, still) if self.followed else (still, values)
+        return CoordinateBlock(self.name, (STATES, ROTATION), (*q, *upright), (*v, 0.0, 0.0, 0.0, 0.0))
 
     def primitives(self) -> tuple[Primitive, Primitive]:
         """Its inertia, and the constraints of what is unused."""

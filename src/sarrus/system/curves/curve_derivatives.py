@@ -27,7 +27,6 @@ from ...elements.evaluation import STORED
 from ...elements.operators import OPERATORS, Axis
 from ...elements.recorder import Variant, record, structure
 from ...model import Curve, Formula, Surface
-from ...model.coordinates import WIDTH
 from ...model.laws.curve import Tree
 from ...model.laws.jumps import JUMPING
 from ..structure.population import Population
@@ -315,8 +314,8 @@ def inputs_of(
         elif name in ROWS:
             inputs |= {(name, n): array.T[p.rows + n] for n in range(p.kind.rows)}
         else:
-            bodies = enumerate(p.bodies.T)
-            inputs |= {(name, i, n): array.T[first + n] for i, first in bodies for n in range(WIDTH)}
+            bodies = enumerate(zip(p.bodies.T, p.variant.widths, strict=True))
+            inputs |= {(name, i, n): array.T[at + n] for i, (at, width) in bodies for n in range(width)}
     return inputs
 
 

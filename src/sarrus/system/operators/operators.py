@@ -32,7 +32,7 @@ class Operators:
     @property
     def moving(self) -> int:
         """Number of coordinates of bodies; those of blocks of states follow them."""
-        return self.layout.bodies.size
+        return self.layout.moving.size
 
     def pattern(self, name: str) -> Pattern:
         """The fixed sparse pattern of an operator."""

@@ -61,9 +61,9 @@ def _of_coupling(system: Any, body: str, rows: Array, q: Array, lam: Array) -> A
             at, own = p.at + k * p.kind.size(), p.rows[k] + np.arange(p.kind.rows)
             element: Any = element_from(p.kind, system.b[at : at + p.kind.size()], system.b)
             blocks = element.Phi_qT_lam(partition(p.kind, local(p, k, q, GROUND)), lam[own])
-            for n, first in enumerate(firsts(p, k)):
-                for part, block in zip(parts, blocks[2 * n : 2 * n + 2], strict=True):
-                    if first == place and block is not None:
+            for first, blocks_there in zip(firsts(p, k), p.kind.by_owner(blocks), strict=True):
+                for part, block in zip(parts, blocks_there if first == place else (), strict=False):
+                    if block is not None:
                         part += block
     return found
 

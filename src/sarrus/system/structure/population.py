@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -11,7 +11,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...elements import BUILT_IN, Element, Normalization, recorder
-from ...elements.element import WIDTHS
+from ...elements.element import ROTATION, WIDTHS, Kind
 from ...elements.recorder import Variant, distinct, variants
 from ...model import Curve, Formula, ModelError, Surface
 from ...model.expansion.blueprint import Placement
@@ -95,9 +95,13 @@ def populate(placed: Sequence[Placement], firsts: Array) -> tuple[list[Populatio
     return populations, _lay_out(populations)
 
 
-def normalizations(count: int) -> list[Placement]:
-    """The normalizations of the Euler parameters of as many bodies."""
-    return [Placement(Normalization, (body,), (), "", "normalization") for body in range(1, count + 1)]
+def normalizations(owners: Mapping[str, Sequence[Kind]]) -> list[Placement]:
+    """The normalizations of the Euler parameters of the owners that have some."""
+    return [
+        Placement(Normalization, (number,), (), "", "normalization")
+        for number, kinds in enumerate(owners.values(), 1)
+        if ROTATION in kinds
+    ]
 
 
 def _population(variant: Variant, found: list[tuple[Placement, int, int]], firsts: Array) -> Population:

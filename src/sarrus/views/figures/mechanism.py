@@ -88,7 +88,7 @@ def _marks(plan: Blueprint) -> list[Mark]:
     return [
         Mark(placement.owner, body, global_point(plan, body, point), placement.element.rows > 0)
         for placement in plan.placed
-        for body, point in _points(placement)
+        for body, point in _points(placement._replace(bodies=plan.bodies_of(placement)))
     ]
 
 

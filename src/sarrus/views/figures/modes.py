@@ -60,7 +60,7 @@ def _moving(modes: Modes, mode: int) -> list[str]:
         ordered = sorted(sizes, key=lambda name: -sizes[name])[:SHOWN]
         return [name for name in ordered if sizes[name] > NOTICED * max(sizes.values())]
     order = np.argsort(-share, kind="stable")[:SHOWN]
-    return [modes.bodies[n] for n in order if share[n] > NOTICED * share.max(initial=0.0)]
+    return [modes.owners[n] for n in order if share[n] > NOTICED * share.max(initial=0.0)]
 
 
 def plot_modes(modes: Modes, ax: Any = None) -> Any:
@@ -108,7 +108,7 @@ def _participation(modes: Modes, ax: Any) -> None:
     places, below = np.arange(len(chosen)), np.zeros(len(chosen))
     large = [n for n, share in enumerate(shares) if np.any(share > NOTICED)]
     others = np.delete(shares, large, axis=0).sum(axis=0)
-    parts: list[tuple[str, Array, str | None]] = [(modes.bodies[n], shares[n], None) for n in large]
+    parts: list[tuple[str, Array, str | None]] = [(modes.owners[n], shares[n], None) for n in large]
     parts += [("others", others, GREY)] * bool(others.any())
     for label, share, colour in parts:
         ax.bar(places, share, bottom=below, label=label, width=0.7, color=colour)

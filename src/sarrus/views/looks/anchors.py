@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
+from ...elements import EccentricInertia, RigidInertia
 from ...model import Model
 from ...model.expansion.blueprint import Blueprint, Placement
 from ...model.expansion.marker import FramedPart
@@ -49,7 +50,8 @@ def anchors(model: Model, plan: Blueprint, section: str) -> list[Anchor]:
     poses = model.design_poses()
     placed: dict[str, list[Placement]] = {}
     for one in plan.placed:
-        placed.setdefault(one.owner, []).append(one)
+        if bodies := plan.bodies_of(one):
+            placed.setdefault(one.owner, []).append(one._replace(bodies=bodies))
     parts: Any = model.sections()[section]
     somewhere = (part for part in parts if not isinstance(part, Coupling))
     every = (_anchor(part, numbers, poses, placed.get(part.name, [])) for part in somewhere)
@@ -95,10 +97,8 @@ def fields(one: Placement) -> dict[str, Any]:
 
 def masses(plan: Blueprint) -> dict[int, tuple[float, Array, Array]]:
     """Mass [kg], inertia about the centre of mass (3, 3) and centre of mass in body axes, by number of the body."""
-    inertias = [(one.bodies[0], fields(one)) for one in plan.placed if one.label == "inertia"]
-    return {
-        body: _mass(values) for body, values in inertias if "mass" in values
-    }  # not the inertia of a rotor
+    kinds = RigidInertia | EccentricInertia
+    return {one.bodies[0]: _mass(fields(one)) for one in plan.placed if issubclass(one.element, kinds)}
 
 
 def _mass(fields: dict[str, Any]) -> tuple[float, Array, Array]:

@@ -48,7 +48,7 @@ def motion_work(system: System) -> loop.Work:
     """Arrays that compiled code works on where it solves the equations of motion."""
     nq, m, places = system.nq, system.m, len(system.memory_places)
     widths = (m, nq, nq, nq, nq, m, m, m, nq + m, nq + m, system.potentials.size, places, m)
-    return loop.Work._make([*(np.zeros(width) for width in widths), system.layout.bodies.is_length])
+    return loop.Work._make([*(np.zeros(width) for width in widths), system.layout.moving.is_length])
 
 
 def motion_arrays(matrix: PlacedMatrix) -> loop.Matrix:

@@ -117,7 +117,7 @@ class Tolerances:
         fixed = [np.asarray(factor_q * self.atol_q), np.asarray(factor_v * self.atol_v)]
         nothing = np.zeros_like(self.rtol_q)
         given = [nothing, nothing.copy()] if self.follow else shares
-        bounds, moving = self.layout.bodies.bounds, self.layout.bodies.size
+        bounds, moving = self.layout.moving.bounds, self.layout.moving.size
         size, motion = np.zeros(SIZES), np.zeros((len(bounds), MOVES))
         fast = float(speed or self.speed)
         given[1][moving:] = np.where(self.states == UNUSED, 0.0, shares[1][moving:])

@@ -24,7 +24,7 @@ from ....linalg.svd import singular
 from ....model import ModelError, SarrusError
 from ....model.announcement import announce
 from ....model.checks.arguments import in_si
-from ....model.coordinates import POSITION, WIDTH, slice_of
+from ....model.coordinates import WIDTH, slice_of
 from ....model.expansion.blueprint import Placement, blueprint
 from ....model.geometry.rotation import matrix
 from ....system import System
@@ -209,7 +209,7 @@ def _without_drivers(system: System) -> Array:
 
 def _size(system: System) -> float:
     """The size of a mechanism: how far bodies lie apart, and their joints from their origins. [m]"""
-    r = system.q0[system.layout.firsts[:, None] + np.arange(POSITION)]
+    r = system.q0[system.layout.positions]
     spread = float(np.linalg.norm(r - r.mean(axis=0), axis=1).max(initial=0.0))
     levers = [
         float(np.linalg.norm(value))
@@ -250,9 +250,7 @@ def _new(J: Array) -> Array:
 
 def locks(problem: Problem, positions: Sequence[Array]) -> list[Measure]:
     """Functions that hold all idle spins when they are fixed at zero; positions are scaled."""
-    return [
-        one for body in range(len(problem.system.layout.firsts)) for one in _of_body(problem, positions, body)
-    ]
+    return [one for body in range(len(problem.system.bodies)) for one in _of_body(problem, positions, body)]
 
 
 def _of_body(problem: Problem, positions: Sequence[Array], body: int) -> Iterator[Measure]:

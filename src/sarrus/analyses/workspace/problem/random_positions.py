@@ -115,7 +115,7 @@ class Samples:
 
 def tree_rows(system: System) -> Array:
     """Rows of Φ of joints that close no loop, in the model's order, and of the Euler parameters."""
-    part = np.arange(len(system.bodies) + 1)  # by body, the ground first: what joints connect so far
+    part = np.arange(len(system.layout.owners) + 1)  # by body, the ground first: what joints connect so far
     pattern, found = system.Phi_q(system.q0), [np.flatnonzero(normalizations(system))]
     for joint in system.model.joints:
         rows = system.rows.get(joint.name, np.zeros(0, dtype=int))

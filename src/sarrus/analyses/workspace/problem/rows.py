@@ -209,7 +209,7 @@ class Handedness:
                 i, j = joint.frames(poses)
                 on_i, on_j = (np.array([frame.f, frame.g, frame.h]) for frame in (i, j))  # axes as rows
                 self._joints.append((number[i.body], number[j.body], on_i, on_j))
-        self._rotations = system.layout.rotations
+        self._rotations = system.layout.bodies.rotations
         self._drawn = self._products(system.q0)
         found = abs(np.array([self._products(q) for q in (system.q0, *positions)]))
         self._parallel = np.all(found > 1 - PARALLEL, axis=0) & (len(positions) > 0)

@@ -21,7 +21,7 @@ from sarrus.system.structure.pattern import Axes
 from sarrus.system.structure.population import populate
 
 SOURCE = Path(sr.__file__).parent
-OPERATIONS = (ast.Mult, ast.Div, ast.FloorDiv, ast.Mod)
+OPERATIONS = (ast.Add, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod)
 SIZED = {"reshape", "repeat", "tile", "zeros", "full", "empty", "inputs"}  # functions that take widths
 
 DEFINED = {"model/coordinates.py", "system/layout.py"}  # what a rigid body is
@@ -29,8 +29,10 @@ OTHERS = {
     "analyses/equations/paired_matrix.py",
     "analyses/progress.py",
     "cli/progress.py",
+    "io/mjcf/bodies.py",
 }  # widths of other things
 POLYNOMIALS = {
+    "_jit/formulas/surfaces.py": 2,
     "analyses/workspace/tracing/point.py": 1,
     "elements/forces/tyres/magic_formula_wheel.py": 1,
     "model/laws/path.py": 3,
@@ -93,6 +95,8 @@ def test_the_layout_alone_knows_the_width_of_a_body() -> None:
         "q[3:7]",
         "np.zeros((n, 7))",
         "n * WIDTH",
+        "q[i + 3 : i + 7]",
+        "range(first + 3, first + WIDTH)",
     ],
 )
 def test_what_is_a_width(text: str) -> None:

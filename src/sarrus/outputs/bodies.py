@@ -30,8 +30,10 @@ def bodies(system: System, part: str | None) -> Iterator[Output]:
     """Position, orientation, velocities and accelerations of bodies."""
     for body in among(system.bodies, part):
         first = system.coordinates_of(body).start
-        for n, word in enumerate(EULER):
-            yield Output(f"{body}.{word}", "1", calls("input", "q", first + 3 + n), place=first + 3 + n)
+        for word, place in zip(
+            EULER, system.layout.rotations[system.bodies.index(body)].tolist(), strict=True
+        ):
+            yield Output(f"{body}.{word}", "1", calls("input", "q", place), place=place)
         yield from _of_point(body, body, ORIGIN, first)
         for word, unit, level in TURNING:
             for n, axis in enumerate(AXES):

@@ -69,7 +69,7 @@ OWN = ("Curve", "Memory")  # fields that have other numbers at every time
 
 
 class RecordedEnergy(NamedTuple):
-    """The energy of one element, recorded, and its inputs: coordinates and rates (moving, 7), and numbers."""
+    """The energy of one element, recorded, and its inputs: coordinates and rates of its owners, and numbers."""
 
     graph: Graph
     value: Expression

@@ -12,7 +12,7 @@ from ..algebra import Array, cross
 from ..elements import Dot1, Dot2, Force, Heading, Normalization
 from ..elements.element import Pair
 from ..euler import A, B, E, G
-from ..model.coordinates import WIDTH
+from ..model.coordinates import POSITION, WIDTH
 from ..model.geometry.points import GROUND, NEXT
 from ..model.signals import RelativeMotion
 from ..model.tape import Tracer, own
@@ -268,7 +268,7 @@ class Outputs(EnergyRecording):
         total = np.array([0.0 for _ in range(WIDTH)], dtype=object)
         for first, on_it in zip(firsts(p, k), p.kind.by_owner(blocks), strict=True):
             if first == body:
-                for at, block in zip((0, 3), on_it, strict=True):
+                for at, block in zip((0, POSITION), on_it, strict=True):
                     if block is not None:
                         total[at : at + len(block)] = total[at : at + len(block)] + block
         return total

@@ -16,7 +16,6 @@ from ..algebra import Array
 from ..elements.evaluation import element_from, partition
 from ..elements.recorder import record_scalars
 from ..model import SarrusError
-from ..model.coordinates import WIDTH
 from ..model.geometry.points import GROUND
 from ..model.tape import Operation, Tape, Tracer, value_of
 from ..system import JointCoordinates, System
@@ -208,8 +207,8 @@ class Recording:
         """Coordinates, or velocities, of a body (7,)."""
         if body == GROUND:
             return STILL if kind == "q" else np.zeros_like(STILL)
-        at = self.system.coordinates_of(body).start
-        return np.array([self.input(kind, n) for n in range(at, at + WIDTH)], dtype=object)
+        own = self.system.coordinates_of(body)
+        return np.array([self.input(kind, n) for n in range(own.start, own.stop)], dtype=object)
 
     def input(self, kind: str, n: Any) -> Tracer:
         """Return one coordinate over time, one parameter, or a number that a mode has."""

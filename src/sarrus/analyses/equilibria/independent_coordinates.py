@@ -8,7 +8,6 @@ from scipy.sparse.csgraph import connected_components
 
 from ...algebra import Array
 from ...elements import Normalization
-from ...model.coordinates import WIDTH
 from ...outputs.output import short
 from ...system import System
 from ...system.cached import once_alike
@@ -22,17 +21,17 @@ def of_joints(system: System, q: Array) -> tuple[str, ...]:
 
     These are the position of the first body of the group, and its Euler parameters without the largest.
     """
-    names, bodies = list(system.joint_coordinates.names), _of_bodies(system)
+    names, bodies, layout = list(system.joint_coordinates.names), _of_bodies(system), system.layout
     for body in _floating(system):
-        parameters = range(body + 3, body + WIDTH)
-        largest_one = max(parameters, key=lambda place: abs(q[place]))
-        names += [bodies[place] for place in range(body, body + WIDTH) if place != largest_one]
+        parameters = layout.rotations[body]
+        largest_one = parameters[np.argmax(abs(q[parameters]))]
+        names += [bodies[place] for place in (*layout.positions[body], *parameters) if place != largest_one]
     return tuple(names)
 
 
 @once_alike
 def _floating(system: System) -> tuple[int, ...]:
-    """The first coordinates of the first body of each group of bodies that no constraint connects with the ground."""
+    """The number of the first body of each group of bodies that no constraint connects with the ground."""
     # Bodies come before the blocks of first-order states, which connect nothing.
     count, layout = len(system.bodies), system.layout
     nodes, members, elements = count + 1, [np.array([count])], [np.array([count])]
@@ -50,7 +49,7 @@ def _floating(system: System) -> tuple[int, ...]:
     graph = coo_array((np.ones(len(row)), (row, column)), shape=(nodes, nodes))
     groups = connected_components(graph, directed=False)[1]
     firsts = np.unique(groups[:count], return_index=True)[1]
-    return tuple(int(layout.firsts[first]) for first in np.sort(firsts) if groups[first] != groups[count])
+    return tuple(int(first) for first in np.sort(firsts) if groups[first] != groups[count])
 
 
 def _of_bodies(system: System) -> list[str]:

@@ -201,8 +201,8 @@ def _sign(system: System, joint: Key, other: Key) -> float:
 def _axis(system: System, key: Key) -> Array:
     """The unit vector of an angle's axis, global, in the initial pose."""
     (i, _), f, g, _ = key
-    axis = np.cross(f, g)
-    direction = axis if i < 0 else A(system.q0[i + 3 : i + 7]) @ axis
+    axis, layout = np.cross(f, g), system.layout
+    direction = axis if i < 0 else A(system.q0[layout.rotations[layout.owner_of[i]]]) @ axis
     return np.asarray(direction / np.linalg.norm(direction))
 
 

@@ -10,7 +10,6 @@ from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...euler import E
-from ...model.coordinates import POSITION, WIDTH
 from ...system.layout import Layout
 
 NOTHING = 1e-9  # a gradient so small that no direction can be read from it
@@ -51,7 +50,7 @@ class Restraint:
         """The direction as a direction of all coordinates (size,), zero for rotations."""
         xi = np.zeros(size)
         if self.kind == "displacement":
-            xi[self.first : self.first + POSITION] = self.direction
+            xi[self.first : self.first + len(self.direction)] = self.direction
         return xi
 
     def words(self) -> str:
@@ -79,13 +78,12 @@ def restraint(layout: Layout, J: csr_array, row: int, q: Array) -> Restraint:
     gradient = np.zeros(len(q))
     place = slice(J.indptr[row], J.indptr[row + 1])
     gradient[J.indices[place]] = J.data[place]
-    firsts = layout.bodies.firsts
-    firsts = firsts[[n for n in np.unique(layout.owner_of[J.indices[place]])[::-1] if n < len(firsts)]]
-    for at in firsts:
-        if np.linalg.norm(shift := gradient[at : at + POSITION]) > NOTHING:
+    bodies = layout.bodies
+    last = [n for n in np.unique(layout.owner_of[J.indices[place]])[::-1] if n < len(bodies.firsts)]
+    for at, r in zip(bodies.firsts[last], bodies.positions[last], strict=True):
+        if np.linalg.norm(shift := gradient[r]) > NOTHING:
             return _restraint("displacement", shift, at)
-    for at in firsts:
-        p = slice(at + POSITION, at + WIDTH)
+    for at, p in zip(bodies.firsts[last], bodies.rotations[last], strict=True):
         if np.linalg.norm(turn := 0.5 * E(q[p]) @ gradient[p]) > NOTHING:
             return _restraint("rotation", turn, at)
     return Restraint("nothing", np.zeros(3), 0.0)

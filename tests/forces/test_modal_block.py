@@ -296,6 +296,18 @@ class Holding(Flexible):
         yield Primitive(Held, (self.body.name, f"{self.name}.modes"), (), "held")
 
 
+OWN = {name: sr.Force.kinds.pop(name) for name in ("flexible", "misnamed", "wrong", "holding")}
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _own_kinds() -> Iterator[None]:
+    """Files have these types here; other tests see those of the package alone."""
+    sr.Force.kinds.update(OWN)
+    yield
+    for name in OWN:
+        del sr.Force.kinds[name]
+
+
 def test_constraints_on_amplitudes_and_redundant_joints() -> None:
     """Two equal pins bear half of what one does, with derivatives of their reactions."""
     model = flexible()

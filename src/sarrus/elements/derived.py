@@ -83,6 +83,31 @@ def potential_rate(element: Any, x: Any, v: Any) -> Any:
     return -sum(block @ rate for block, rate in blocks if block is not None)
 
 
+def strain_rate(element: Any, x: Any, v: Any) -> Array:
+    """ε_q v of an element with a vector `strains`."""
+    (line,) = _replayed(_strain_slopes(type(element)), _inputs(element, {"q": x}))
+    terms = [block @ rate for block, rate in zip(line, v, strict=True) if block is not None]
+    return sum(terms[1:], terms[0])
+
+
+def strain_force(element: Any, x: Any, load: Array) -> tuple[Block, ...]:
+    """-ε_qᵀ load."""
+    (line,) = _replayed(_strain_slopes(type(element)), _inputs(element, {"q": x}))
+    return tuple(None if block is None else -(load @ block) for block in line)
+
+
+@cache
+def _strain_slopes(kind: Any) -> Recipe:
+    from .evaluation import partition, symbols
+
+    graph = Graph()
+    element, operands = symbols(graph, kind)
+    strains = element.strains(partition(kind, operands["q"]))
+    return Recipe(
+        graph, _differentiated(graph, [strains], [len(strains)], operands["q"], kind.coordinates())
+    )
+
+
 def _passes_t(operator: Any) -> bool:
     """Forces take the time as an argument; constraints hold it in a field."""
     return bool(operator.family == "force")

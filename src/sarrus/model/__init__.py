@@ -17,6 +17,7 @@ from .errors import listed as listed
 from .expression import Expression as Expression
 from .expression import parse_expression as parse_expression
 from .file import load as load
+from .forces.beam import Beam as Beam
 from .forces.contact import AngleStop as AngleStop
 from .forces.contact import DisplacementStop as DisplacementStop
 from .forces.contact import LengthStop as LengthStop

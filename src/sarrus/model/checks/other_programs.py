@@ -50,7 +50,7 @@ INSTEAD = {
     "Cable Rope": "sr.TSDA or sr.Force between two points",
     "Sensor Measure Request Probe": OUTPUT,
     "Gravity AccelGrav": "sr.Model(..., gravity=(0, 0, -9.81))",
-    "Beam FlexibleBody Flex": "several sr.Body with sr.Bushing between them: bodies are rigid",
+    "FlexibleBody Flex BeamElement": "sr.Beam between bodies for slender parts; other bodies are rigid",
     "SystemContainer MainSystem MjModel World Multibody Mechanism": "sr.Model, and sr.System(model) for its analyses",
     "Run Solve solve_ivp odeint integrate SolveDynamic mj_step Transient": "sr.simulate",
     "Static SolveStatic mj_inverse": "sr.equilibrium for a state of rest, sr.inverse_dynamics for forces of a motion",

@@ -363,10 +363,12 @@ def _own_forces(
     own: dict[str, list[Primitive]] = {}
     inputs = _inputs(model)
     kinds = _kinds(states, inputs)
+    gravity = _gravity(model)
     for force in model.forces:
         with findings.about("forces", force.name):
             _check_arguments(force, kinds)
             own[force.name] = _primitives(force, inputs, poses)
+            own[force.name] += force.weight(poses, gravity) if any(gravity) else ()
     return own
 
 

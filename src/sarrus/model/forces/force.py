@@ -11,6 +11,7 @@ from ..errors import ModelError
 from ..geometry.points import GROUND, refuse_other_axes
 from ..geometry.pose import Poses
 from ..primitive import Primitive
+from ..quantity import Vec3
 from ..registry import Part, register
 from ..signals import Signals
 
@@ -53,6 +54,10 @@ class Force(Part):
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the primitives for the given poses of the design position."""
+        yield from ()
+
+    def weight(self, poses: Poses, gravity: Vec3) -> Iterator[Primitive]:
+        """Yield the weight of a force that has mass, where there is gravity."""
         yield from ()
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:

@@ -25,9 +25,6 @@ from .element import Nonholonomic as Nonholonomic
 from .element import Pair as Pair
 from .element import Primitive as Primitive
 from .element import Single as Single
-from .forces.beam import Beam as Beam
-from .forces.beam import BeamDamping as BeamDamping
-from .forces.beam import BeamInertia as BeamInertia
 from .forces.bushing import Bushing as Bushing
 from .forces.drag import Drag as Drag
 from .forces.drag import ViscousDrag as ViscousDrag

@@ -20,6 +20,7 @@ from ..measure import Direction, In, Length, Ratio
 from ..parity import declared
 from ..primitive import Primitive
 from ..quantity import Array, Vec3, Vector, direction, not_negative, number, numbers, positive, triple
+from . import beam_element
 from .force import Force
 
 ODD_FIFTH = 1.0045237627951383  # Σ 1/n⁵ over odd n, 31/32 ζ(5)
@@ -261,14 +262,14 @@ class Beam(BeamSection, Force):
         bodies, frames = (i.point.body, j.point.body), (*i.parameters(), *j.parameters())
         size, strain = initial_shape(frames, bodies, poses)
         stiffness = self.stiffness(size)
-        yield Primitive(elements.Beam, bodies, (*frames, size, stiffness, strain), "beam")
+        yield Primitive(beam_element.Beam, bodies, (*frames, size, stiffness, strain), "beam")
         damping = not_negative(self.damping, "damping", "Give a time in s.")
         if damping:
-            yield Primitive(elements.BeamDamping, bodies, (*frames, size, stiffness, damping), "damping")
+            yield Primitive(beam_element.BeamDamping, bodies, (*frames, size, stiffness, damping), "damping")
         if mass := self.mass(size):
             _, I_y, I_z, *_ = self.properties(self.moduli()[2])
             values = (i.point.s, triple(i.axes[:, 0]), j.point.s, triple(j.axes[:, 0]), size, mass)
-            yield Primitive(elements.BeamInertia, bodies, values, "inertia")
+            yield Primitive(beam_element.BeamInertia, bodies, values, "inertia")
             for end in (i, j):
                 if end.point.body != GROUND:
                     half = self.density * size / 2
@@ -299,7 +300,7 @@ def initial_shape(
     """Return the length of the undeformed arc in the design position [m], and its strains ε_0."""
     i, j = (poses[body] for body in bodies)
     values = [np.array(one) if isinstance(one, tuple) else one for one in frames]
-    beam = elements.Beam(*values, 1.0, np.zeros(6), np.zeros(6))
+    beam = beam_element.Beam(*values, 1.0, np.zeros(6), np.zeros(6))
     arc, k = beam.arc(elements.Pair(i.r, i.p, j.r, j.p))
     size = np.sqrt(arc @ arc)
     strain = [*(arc / size - np.array([1.0, 0.0, 0.0])), *(k / size)]

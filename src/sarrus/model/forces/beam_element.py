@@ -28,10 +28,10 @@ import numpy as np
 from ...algebra import I3, Array, Row, cross
 from ...euler import B, G, rotate
 from ...functions import positive, sqrt
-from ..derived import strain_force, strain_rate
-from ..element import Force, Grid, InertiaElement, Pair, Scalar, Vec3, Vec6
-from ..force_outputs import Passive
-from ..output import output
+from ...elements.derived import strain_force, strain_rate
+from ...elements.element import Force, Grid, InertiaElement, Pair, Scalar, Vec3, Vec6
+from ...elements.force_outputs import Passive
+from ...elements.output import output
 
 W = ((156, 22, 54, -13), (22, 4, 13, -3), (54, 13, 156, -22), (-13, -3, -22, 4))
 

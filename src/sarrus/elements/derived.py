@@ -103,9 +103,7 @@ def _strain_slopes(kind: Any) -> Recipe:
     graph = Graph()
     element, operands = symbols(graph, kind)
     strains = element.strains(partition(kind, operands["q"]))
-    return Recipe(
-        graph, _differentiated(graph, [strains], [len(strains)], operands["q"], kind.coordinates())
-    )
+    return Recipe(graph, _differentiated(graph, [strains], [len(strains)], operands["q"], kind.coordinates()))
 
 
 def _passes_t(operator: Any) -> bool:

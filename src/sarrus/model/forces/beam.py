@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from math import pi
 from typing import Annotated, Any, ClassVar, NamedTuple
@@ -19,7 +19,7 @@ from ..geometry.pose import Poses
 from ..measure import Direction, In, Length, Ratio
 from ..parity import declared
 from ..primitive import Primitive
-from ..quantity import Array, Vec3, Vector, direction, not_negative, number, numbers, positive, triple
+from ..quantity import Array, Vec3, direction, not_negative, number, numbers, positive, triple
 from . import beam_element
 from .force import Force
 
@@ -97,15 +97,15 @@ class BeamSection:
     nu: Ratio | None = None
     G: Annotated[float, In("N/m^2")] | None = None
     density: Annotated[float, In("kg/m^3")] = 0.0
-    rectangle: Annotated[Vector, In("m")] | None = None
+    rectangle: Annotated[Sequence[float], In("m")] | None = None
     circle: Length | None = None
-    tube: Annotated[Vector, In("m")] | None = None
-    i_section: Annotated[Vector, In("m")] | None = None
+    tube: Annotated[Sequence[float], In("m")] | None = None
+    i_section: Annotated[Sequence[float], In("m")] | None = None
     area: Annotated[float, In("m^2")] | None = None
     I_y: Annotated[float, In("m^4")] | None = None
     I_z: Annotated[float, In("m^4")] | None = None
     J: Annotated[float, In("m^4")] | None = None
-    shear: Annotated[Vector, In("1")] | None = None
+    shear: Annotated[Sequence[float], In("1")] | None = None
     damping: Annotated[float, In("s")] = 0.0
 
     def moduli(self) -> tuple[float, float, float]:
@@ -145,6 +145,10 @@ class BeamSection:
             return found
         k_y, k_z = _sizes(self.shear, 2, "shear")
         return found._replace(shear=(k_y, k_z))
+
+    def section_area(self) -> float:
+        """Return the area of the section [m²]."""
+        return self.properties(self.moduli()[2]).area
 
     def _values(self) -> SectionProperties:
         values = (
@@ -199,10 +203,10 @@ class End(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Beam(BeamSection, Force):
-    """Elastic beam between two points of bodies, of large displacements and rotations, undeformed in the design position.
+    """Elastic beam of large displacements and rotations between two points of bodies.
 
-    One element is exact for small deformations by loads at its ends. Where rotations are large, or the beam has mass,
-    use several of them, see `FlexibleBeam`.
+    It is undeformed in the design position, and exact for small deformations by loads at its ends. Where rotations are
+    large, or frequencies of a massive beam matter, use several with bodies between them.
 
     Parameters
     ----------
@@ -269,7 +273,7 @@ class Beam(BeamSection, Force):
         if mass := self.mass(size):
             _, I_y, I_z, *_ = self.properties(self.moduli()[2])
             values = (i.point.s, triple(i.axes[:, 0]), j.point.s, triple(j.axes[:, 0]), size, mass)
-            yield Primitive(beam_element.BeamInertia, bodies, values, "inertia")
+            yield Primitive(beam_element.BeamInertia, bodies, values, "mass")
             for end in (i, j):
                 if end.point.body != GROUND:
                     half = self.density * size / 2
@@ -278,8 +282,7 @@ class Beam(BeamSection, Force):
 
     def mass(self, length: float) -> float:
         """Return the mass of a beam of this length [kg]."""
-        density = not_negative(self.density, "density", "Give it in kg/m³.")
-        return density * self.properties(self.moduli()[2]).area * length
+        return not_negative(self.density, "density", "Give it in kg/m³.") * self.section_area() * length
 
     def weight(self, poses: Poses, gravity: Vec3) -> Iterator[Primitive]:
         """Yield the weight of its consistent mass, two halves at s ± L e/6: -m gᵀ(6 x_i + L t_i + 6 x_j - L t_j)/12."""

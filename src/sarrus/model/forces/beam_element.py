@@ -12,7 +12,8 @@ the fourth order of the rotation between the ends. The energy is
 
     U = L/2 (ε - ε_0)ᵀ C (ε - ε_0),   ε = (Γ, κ),   C = diag(EA, S_y, S_z, GJ, EI_y, EI_z).
 
-One point of integration does not lock. With the residual bending flexibility of MacNeal (Computers & Structures 8, 1978),
+One point of integration does not lock. With the residual bending flexibility of MacNeal (Computers &
+Structures 8, 1978),
 
     1/S_y = 1/(k_y G A) + L²/(12 EI_z),   1/S_z = 1/(k_z G A) + L²/(12 EI_y),
 
@@ -26,12 +27,12 @@ from typing import Any
 import numpy as np
 
 from ...algebra import I3, Array, Row, cross
-from ...euler import B, G, rotate
-from ...functions import positive, sqrt
 from ...elements.derived import strain_force, strain_rate
 from ...elements.element import Force, Grid, InertiaElement, Pair, Scalar, Vec3, Vec6
 from ...elements.force_outputs import Passive
 from ...elements.output import output
+from ...euler import B, G, rotate
+from ...functions import positive, sqrt
 
 W = ((156, 22, 54, -13), (22, 4, 13, -3), (54, 13, 156, -22), (-13, -3, -22, 4))
 

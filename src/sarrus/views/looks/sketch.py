@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, count
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -378,6 +379,12 @@ def _limit(anchor: Anchor, scale: DrawingScale, length: float) -> Look:
     yield anchor.spanned("force", length, rod(0 * Z, length * Z, 0.15 * scale.unit), DAMPER)
 
 
+def _beam(anchor: Anchor, scale: DrawingScale, length: float) -> Look:
+    """A straight rod with the area of the section, at least as thick as can be seen."""
+    radius = max(0.15 * scale.unit, float(anchor.part.section_area() / pi) ** 0.5)
+    yield anchor.spanned("force", length, rod(0 * Z, length * Z, radius), STEEL)
+
+
 def _push(anchor: Anchor, scale: DrawingScale, length: float) -> Look:
     yield anchor.held("force", 0, ball(0.5 * scale.unit), SPRING)
 
@@ -394,5 +401,6 @@ _LOOKS: dict[str, Callable[[Anchor, DrawingScale, float], Look]] = {
     "bushing": _bushing,
     "sphere_contact": _sphere,
     "length_stop": _limit,
+    "beam": _beam,
     "point_force": _push,
 }

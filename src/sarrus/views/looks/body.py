@@ -63,7 +63,7 @@ def _distinct(known: Outline, near: float) -> tuple[list[Array], list[Array | No
 def _block(known: Outline, unit: float, size: float) -> Mesh:
     """The uniform box that has the body's inertia, no larger than the drawing can bear."""
     moments, axes = np.linalg.eigh(known.inertia)
-    squares = np.maximum(6 * (moments.sum() - 2 * moments) / known.mass, 0.0)
+    squares = np.maximum(6 * (moments.sum() - 2 * moments) / (known.mass or np.inf), 0.0)
     edges = np.clip(np.sqrt(squares), 2.5 * unit, 2 * LOOK.block * size if size > 4 * unit else np.inf)
     if np.linalg.det(axes) < 0:
         axes = axes * [1.0, 1.0, -1.0]

@@ -85,14 +85,16 @@ def potential_rate(element: Any, x: Any, v: Any) -> Any:
 
 def strain_rate(element: Any, x: Any, v: Any) -> Array:
     """ε_q v of an element with a vector `strains`."""
-    (line,) = _replayed(_strain_slopes(type(element)), _inputs(element, {"q": x}))
+    kind: Any = type(element)
+    (line,) = _replayed(_strain_slopes(kind), _inputs(element, {"q": x}))
     terms = [block @ rate for block, rate in zip(line, v, strict=True) if block is not None]
     return sum(terms[1:], terms[0])
 
 
 def strain_force(element: Any, x: Any, load: Array) -> tuple[Block, ...]:
     """-ε_qᵀ load."""
-    (line,) = _replayed(_strain_slopes(type(element)), _inputs(element, {"q": x}))
+    kind: Any = type(element)
+    (line,) = _replayed(_strain_slopes(kind), _inputs(element, {"q": x}))
     return tuple(None if block is None else -(load @ block) for block in line)
 
 
@@ -101,6 +103,7 @@ def _strain_slopes(kind: Any) -> Recipe:
     from .evaluation import partition, symbols
 
     graph = Graph()
+    element: Any
     element, operands = symbols(graph, kind)
     strains = element.strains(partition(kind, operands["q"]))
     return Recipe(graph, _differentiated(graph, [strains], [len(strains)], operands["q"], kind.coordinates()))

@@ -126,11 +126,11 @@ class BeamSection:
     def properties(self, nu: float) -> SectionProperties:
         """Return the properties of the section, checked."""
         shapes: dict[str, Callable[[float], SectionProperties]] = {
-            "rectangle": lambda nu: rectangle(*_sizes(self.rectangle, 2, "rectangle"), nu),
+            "rectangle": lambda nu: rectangle(*_sizes(self.rectangle, 2, "rectangle"), nu=nu),
             "circle": lambda nu: tube(positive(self.circle, "circle", "Give the radius in m."), 0.0, nu),
-            "tube": lambda nu: tube(*_inside("tube", _sizes(self.tube, 2, "tube"), (1, 1.0, 0)), nu),
+            "tube": lambda nu: tube(*_inside("tube", _sizes(self.tube, 2, "tube"), (1, 1.0, 0)), nu=nu),
             "i_section": lambda nu: i_section(
-                *_inside("i_section", _sizes(self.i_section, 4, "i_section"), (2, 2.0, 1), (3, 1.0, 0)), nu
+                *_inside("i_section", _sizes(self.i_section, 4, "i_section"), (2, 2.0, 1), (3, 1.0, 0)), nu=nu
             ),
         }
         given = [name for name in (*shapes, "area") if getattr(self, name) is not None]
@@ -155,7 +155,7 @@ class BeamSection:
             positive(getattr(self, name), name, "Give area in m², I_y, I_z and J in m⁴.")
             for name in ("area", "I_y", "I_z", "J")
         )
-        return SectionProperties(*values, (0.0, 0.0))
+        return SectionProperties(*values, shear=(0.0, 0.0))
 
     def stiffness(self, length: float) -> tuple[float, ...]:
         """Return C of an element of this length, with the residual bending flexibility."""
@@ -303,7 +303,7 @@ def initial_shape(
     """Return the length of the undeformed arc in the design position [m], and its strains ε_0."""
     i, j = (poses[body] for body in bodies)
     values = [np.array(one) if isinstance(one, tuple) else one for one in frames]
-    beam = beam_element.Beam(*values, 1.0, np.zeros(6), np.zeros(6))
+    beam = beam_element.Beam(*values, length=1.0, C=np.zeros(6), undeformed=np.zeros(6))
     arc, k = beam.arc(elements.Pair(i.r, i.p, j.r, j.p))
     size = np.sqrt(arc @ arc)
     strain = [*(arc / size - np.array([1.0, 0.0, 0.0])), *(k / size)]

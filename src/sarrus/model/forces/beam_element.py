@@ -66,7 +66,7 @@ class Strained(Passive, Force, abstract=True):
     def strains(self, x: Pair) -> Array:
         """ε = (Γ, κ): axial and shear strains [-], twist and curvatures [rad/m], of section axes. (6,)"""
         arc, k = self.arc(x)
-        return np.concatenate([arc / self.length - np.array([1, 0, 0]), k / self.length])
+        return np.asarray(np.concatenate([arc / self.length - np.array([1, 0, 0]), k / self.length]))
 
 
 class Beam(Strained, derivatives="automatic", rare=True):

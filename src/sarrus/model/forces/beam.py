@@ -126,11 +126,12 @@ class BeamSection:
     def properties(self, nu: float) -> SectionProperties:
         """Return the properties of the section, checked."""
         shapes: dict[str, Callable[[float], SectionProperties]] = {
-            "rectangle": lambda nu: rectangle(*_sizes(self.rectangle, 2, "rectangle"), nu=nu),
+            "rectangle": lambda nu: rectangle(*_sizes(self.rectangle, 2, "rectangle") + (nu,)),
             "circle": lambda nu: tube(positive(self.circle, "circle", "Give the radius in m."), 0.0, nu),
-            "tube": lambda nu: tube(*_inside("tube", _sizes(self.tube, 2, "tube"), (1, 1.0, 0)), nu=nu),
+            "tube": lambda nu: tube(*_inside("tube", _sizes(self.tube, 2, "tube"), (1, 1.0, 0)) + (nu,)),
             "i_section": lambda nu: i_section(
-                *_inside("i_section", _sizes(self.i_section, 4, "i_section"), (2, 2.0, 1), (3, 1.0, 0)), nu=nu
+                *_inside("i_section", _sizes(self.i_section, 4, "i_section"), (2, 2.0, 1), (3, 1.0, 0))
+                + (nu,)
             ),
         }
         given = [name for name in (*shapes, "area") if getattr(self, name) is not None]
@@ -151,11 +152,11 @@ class BeamSection:
         return self.properties(self.moduli()[2]).area
 
     def _values(self) -> SectionProperties:
-        values = (
+        area, I_y, I_z, J = (
             positive(getattr(self, name), name, "Give area in m², I_y, I_z and J in m⁴.")
             for name in ("area", "I_y", "I_z", "J")
         )
-        return SectionProperties(*values, shear=(0.0, 0.0))
+        return SectionProperties(area, I_y, I_z, J, (0.0, 0.0))
 
     def stiffness(self, length: float) -> tuple[float, ...]:
         """Return C of an element of this length, with the residual bending flexibility."""
@@ -168,12 +169,12 @@ class BeamSection:
         return E * A, S_y, S_z, G * J, E * I_y, E * I_z
 
 
-def _sizes(value: Any, count: int, field: str) -> tuple[float, ...]:
+def _sizes(value: Any, count: int, field: str) -> Any:
     found = numbers(value, count, field, f"Give {count} numbers greater than 0.")
     return tuple(positive(one, field, f"Give {count} numbers greater than 0.") for one in found)
 
 
-def _inside(field: str, sizes: tuple[float, ...], *pairs: tuple[int, float, int]) -> tuple[float, ...]:
+def _inside(field: str, sizes: Any, *pairs: tuple[int, float, int]) -> Any:
     """Return the sizes, or raise a ModelError where one of them does not leave material within another."""
     for inner, times, outer in pairs:
         if times * sizes[inner] >= sizes[outer]:
@@ -302,8 +303,9 @@ def initial_shape(
 ) -> tuple[float, tuple[float, ...]]:
     """Return the length of the undeformed arc in the design position [m], and its strains ε_0."""
     i, j = (poses[body] for body in bodies)
-    values = [np.array(one) if isinstance(one, tuple) else one for one in frames]
-    beam = beam_element.Beam(*values, length=1.0, C=np.zeros(6), undeformed=np.zeros(6))
+    values: Any = [np.array(one) if isinstance(one, tuple) else one for one in frames]
+    values += [1.0, np.zeros(6), np.zeros(6)]
+    beam = beam_element.Beam(*values)
     arc, k = beam.arc(elements.Pair(i.r, i.p, j.r, j.p))
     size = np.sqrt(arc @ arc)
     strain = [*(arc / size - np.array([1.0, 0.0, 0.0])), *(k / size)]

@@ -75,7 +75,7 @@ class Beam(Strained, derivatives="automatic", rare=True):
     undeformed: Vec6  # ε_0
 
     def _load(self, x: Pair) -> Array:
-        return self.C * (self.strains(x) - self.undeformed)
+        return np.asarray(self.C * (self.strains(x) - self.undeformed))
 
     @output("N", vector=True)
     def section_force(self, x: Pair) -> Array:

@@ -94,7 +94,7 @@ MEANT = {  # the types of joints, drivers and forces by other names that they ha
     **dict.fromkeys(("translation", "cylinder"), ("displacement", "tsda")),
     "load": ("point_force", "force"),
     **dict.fromkeys(("moment",), ("torque",)),
-    **dict.fromkeys(("mount", "rubber", "beam"), ("bushing",)),
+    **dict.fromkeys(("mount", "rubber"), ("bushing",)),
     **dict.fromkeys(("contact", "ball_contact"), ("sphere_contact",)),
     **dict.fromkeys(("wheel", "tire"), ("tyre", "road_tyre")),
     **dict.fromkeys(("friction",), ("angle_friction", "displacement_friction")),

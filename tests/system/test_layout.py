@@ -35,6 +35,7 @@ POLYNOMIALS = {
     "_jit/formulas/surfaces.py": 2,
     "analyses/workspace/tracing/point.py": 1,
     "elements/forces/tyres/magic_formula_wheel.py": 1,
+    "model/forces/beam.py": 1,
     "model/laws/path.py": 3,
 }  # whose sevens have nothing to do with bodies
 

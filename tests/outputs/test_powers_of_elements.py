@@ -97,6 +97,8 @@ def element_of(kind, random):
             size = random.normal() * SIZES.get(name, 1.0)
             values.append(abs(size) if name in SIGNS or name in SIZES else size)
     made = dict(zip(kind.fields, values, strict=True))
+    if "length" in made and "C" in made:  # of beams
+        made.update({name: abs(made[name]) for name in ("length", "C", "time") if name in made})
     axes, _ = np.linalg.qr(random.normal(size=(3, 3)))
     axes[:, 2] *= np.linalg.det(axes)
     for n, axis in enumerate("fgh"):

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import pytest
+
 from sarrus.analyses import integration_methods
 from sarrus.cli import parser
 from sarrus.elements import Element
@@ -50,3 +52,17 @@ def registries_restored() -> Iterator[None]:
             registry.clear()
             (registry.update if isinstance(registry, dict) else registry.extend)(before)
             setattr(holder, name, registry)
+
+
+def kinds_of_forces_here(*names: str) -> Any:
+    """A fixture of a module: files have these types of its forces there, other tests see those of the package alone."""
+    own = {name: Force.kinds.pop(name) for name in names}
+
+    @pytest.fixture(autouse=True, scope="module")
+    def registered() -> Iterator[None]:
+        Force.kinds.update(own)
+        yield
+        for name in own:
+            del Force.kinds[name]
+
+    return registered

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
+from tests.registries import kinds_of_forces_here
 
 import sarrus as sr
 from sarrus import elements
@@ -296,16 +297,7 @@ class Holding(Flexible):
         yield Primitive(Held, (self.body.name, f"{self.name}.modes"), (), "held")
 
 
-OWN = {name: sr.Force.kinds.pop(name) for name in ("flexible", "misnamed", "wrong", "holding")}
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _own_kinds() -> Iterator[None]:
-    """Files have these types here; other tests see those of the package alone."""
-    sr.Force.kinds.update(OWN)
-    yield
-    for name in OWN:
-        del sr.Force.kinds[name]
+_kinds = kinds_of_forces_here("flexible", "misnamed", "wrong", "holding")
 
 
 def test_constraints_on_amplitudes_and_redundant_joints() -> None:

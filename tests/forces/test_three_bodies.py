@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.registries import kinds_of_forces_here
 
 import sarrus as sr
 from sarrus import elements
@@ -36,16 +37,7 @@ class Line(sr.Force):
         yield Primitive(Bending, tuple(body.name for body in self.bodies), (self.k,), "bending")
 
 
-OWN = {name: sr.Force.kinds.pop(name) for name in ("line",)}
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _own_kinds() -> Iterator[None]:
-    """Files have these types here; other tests see those of the package alone."""
-    sr.Force.kinds.update(OWN)
-    yield
-    for name in OWN:
-        del sr.Force.kinds[name]
+_kinds = kinds_of_forces_here("line")
 
 
 K, MASS, BENT, END = 3.0, 2.0, 0.3, 0.9
